@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// supposed: nobody has seen the air, it is taken as it usually is.
+// supposed: no observation yet; the usual air is assumed.
 enum class AirObserver { sky, landmarks, horizon, remembered, given, supposed };
 std::string_view name_of(AirObserver observer);
 

@@ -173,7 +173,7 @@ AirTracker::Verdict AirTracker::observe(const ColumnReading& reading, Instant wh
     const double exponent_off = seen_now->exponent - state.mean(kExponent);
     const bool in_vain = followed_in_vain({reading.by, seen_now->amount.mean, off, when});
     if (in_vain || contradicted(reading.by, seen_now->amount.variance, when)) {
-      // One that sees the same and is surer says that the air is as it was: then this observer errs.
+      // A more certain observer contradicts this one: the air has not changed, so the error is this observer's.
       state.doubt(seen_now->amount_error, square(off) / seen_now->amount.variance);
       state.doubt(seen_now->exponent_error, square(exponent_off / seen_now->exponent_sigma));
     } else {

@@ -19,7 +19,7 @@ namespace kasumi {
 struct ObserverPart {
   AirObserver by = AirObserver::sky;
   Duration age{};        // of its last reading
-  double aod_550 = 0.0;  // by it alone; of the path's extinction as if the column had it
+  double aod_550 = 0.0;  // this observer's own estimate; of the path's extinction as if the column had it
   double sigma_aod_550 = 0.0;
   double share = 0.0;         // 0..1 of what is known now of the air before the object
   double apart_sigmas = 0.0;  // from the state of the others, over both sigmas; 0 where there are no others
@@ -28,8 +28,8 @@ struct ObserverPart {
 struct TrackedAir {
   AirState air;                  // shown: changes slowly
   AirState believed;             // which the shown one approaches
-  double sigma_turbidity = 0.0;  // of the shown T as today's, including the distance to the believed one
-  // Of ln near_ground, and of ln(aod near_ground + small), believed.
+  double sigma_turbidity = 0.0;  // of the shown T as today's, including its distance from the estimate
+  // Of the estimates of ln near_ground and ln(aod near_ground + small).
   double sigma_log_near_ground = 0.0, sigma_log_path_amount = 0.0;
   bool supposed = false;                // no observer has seen it: as it usually is, or so old that only that is left
   bool trustworthy = false;             // young and certain enough to be called today's air
@@ -55,8 +55,8 @@ struct AirTrackerOptions {
   // What it gives is fixed; with the amount, the path's as well (near_ground 1).
   GivenAir given{};
   double altitude_m = 0.0;  // of the scene camera, for the paths
-  // Where the air is when nobody has seen it, and how it changes. From AERONET's sites: ln aod varies by .7, and half
-  // of it is forgotten within a day; together that is .2 in an hour.
+  // The usual air, assumed without observations, and how the air changes. From AERONET's sites: ln aod varies by .7,
+  // and half of it is forgotten within a day; together that is .2 in an hour.
   DriftingQuantity amount{0.0, 0.65, std::chrono::hours(21)};  // `usual` is usual_aod_550
   double usual_aod_550 = 0.15;
   DriftingQuantity exponent{1.3, 0.5, std::chrono::hours(24)};
@@ -71,8 +71,8 @@ struct AirTrackerOptions {
   int agreeing_doubts = 3;
   Duration doubts_span = std::chrono::seconds(20);
   double largest_rate_per_minute = 0.30;  // of what is shown: too slow to be seen as a step
-  // Of aerosol mixed over 4 km, and of 300 m of it below an inversion, in units of kAerosolHeight_m. Beyond is fog, which
-  // is believed where landmarks see less than 2 km far: as much aerosol as that in the column.
+  // Of aerosol mixed over 4 km, and of 300 m of it below an inversion, in units of kAerosolHeight_m. Beyond is fog,
+  // which is accepted where the visibility by landmarks is below 2 km: no column holds as much aerosol.
   double least_near_ground = 0.3, greatest_near_ground = 4.0;
   double fog_path_aod = 1.8;
   Duration trusted_for = std::chrono::hours(2);
@@ -93,7 +93,7 @@ class AirTracker {
 
   // The air to show at an instant; does not depend on how often it is called.
   TrackedAir at(Instant when) const;
-  // Empty while nobody has seen the air. `utc`: at `when`.
+  // Empty without observations. `utc`: at `when`.
   std::optional<RememberedAir> to_remember(Instant when, Utc utc) const;
 
  private:
@@ -105,7 +105,7 @@ class AirTracker {
     AirObserver by;
     Instant when;
     bool of_path;
-    Normal amount;  // by it alone
+    Normal amount;  // this observer's own estimate
   };
   struct Doubt {
     AirObserver by;
@@ -127,13 +127,13 @@ class AirTracker {
   // 0 within the smallest difference.
   double sigmas(double off, const Normal& expected, double passing_sigma) const;
   Surprise judge(const Doubt& now, double sigmas, double agree_within, Instant when);
-  // Whether a surer observer of the column has just seen it as it was.
+  // Whether a more certain observer has just found the column unchanged.
   bool contradicted(AirObserver by, double variance, Instant when) const;
   // Whether this observer says once more what it was followed to, and is as far off as before: then it errs. Notes that
   // it is followed now.
   bool followed_in_vain(const Followed& now);
   void bound_near_ground(GaussMarkov& state) const;
-  // By how much two observers of now, who disagree by more than their sigmas allow, make all sigmas grow.
+  // The factor on all sigmas where two current observers differ by more than their sigmas allow.
   double growth(const std::vector<ObserverPart>& parts) const;
   // Variance of ln amount by the last look at the column and the weather since.
   double column_doubt(Instant when) const;

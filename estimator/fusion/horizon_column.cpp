@@ -16,8 +16,8 @@ namespace {
 constexpr InstrumentDoubt kSceneDoubt{true, 0.1, 0.05};
 // No model leaves more of a clear low sky unexplained.
 constexpr double kMostLeftOver = 0.06;
-// The light of a closed sky is, of all clear ones, most like that of the thickest haze, 1.3 or more, whose amount it
-// then hardly depends on. An amount that is not a sigma of the models away from there is none.
+// A closed sky looks like the thickest haze, 1.3 or more, whose light hardly depends on its amount. Reject amounts
+// within a sigma of it.
 constexpr double kThickest = 1.2;
 constexpr Radians kLowestSun = from_degrees(3.0);
 

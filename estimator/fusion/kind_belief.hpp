@@ -18,7 +18,8 @@ class KindBelief {
   // What is given stays.
   explicit KindBelief(std::optional<AerosolKind> given = {}) : given_(given) {}
 
-  // `by_sky`: of the sky above, or of the low sky alone, which is asked only while nobody sees the one above.
+  // `by_sky`: by the sky camera; false: by the low sky, which counts only while there is no observation by the sky
+  // camera.
   void observe(const FoundAerosol& found, bool by_sky, Instant when);
   void remember(AerosolKind kind, bool papers_sky, Instant when);
 

@@ -8,9 +8,8 @@
 
 namespace kasumi {
 
-// Each lasting error is one quantity of the state, of spread 1, in units of the sigma that its observer has been stating
-// lately. Were it in units of each reading's own, then two readings that state different sigmas would seem to tell how
-// large the error is.
+// Each lasting error is one quantity of the state, of spread 1, in units of its observer's recent sigma. If it were
+// scaled by each reading's own sigma, two readings with different sigmas would make the error seem observable.
 class LastingErrors {
  public:
   // `share`: of an observer's variance that lasts.

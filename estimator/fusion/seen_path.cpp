@@ -66,8 +66,8 @@ std::vector<SeenChannel> seen_path(const PathReading& reading, double altitude_m
   }
   std::ranges::sort(seen, {}, [](const SeenChannel& one) { return std::abs(one.wavelength_nm - 550.0); });
 
-  // What is common to the channels counts alike in all: were its weights those of each, their small differences, which
-  // are not known so well, would seem to tell how large it is. Those are the channel's own doubt.
+  // Weights the channels equally for their shared error: with individual weights, small differences between channels
+  // would make that error seem observable. Such differences belong to each channel's own error.
   double shared = 0.0, lasting_shared = 0.0;
   for (SeenChannel& one : seen) {
     const double shared_here = log_sigma(one.aod, one.shared_sigma);

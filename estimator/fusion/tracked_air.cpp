@@ -1,4 +1,4 @@
-// What the tracker tells of its state.
+// Reports on the tracker's state.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -17,8 +17,8 @@ constexpr double kGivenSigma = 0.005;  // of a log amount, so that it has a weig
 // Of the papers' haze: their T says it.
 constexpr double kPapersExponent = 1.3;
 
-// The papers' air of a T whose extinction near the ground is, at 550 nm, as believed; as far as the relation of path and
-// column is `known` (0..1), else as the T has it.
+// The papers' air whose T matches the column and whose extinction near the ground matches the path's estimate at 550
+// nm. `known` (0..1): how well the ratio of path and column is known; 0 leaves the extinction that T implies.
 AirState papers_air(const Aerosol& aerosol, double path_aod, double known, double altitude_m) {
   constexpr auto kPapers = ScatteringModel::morales2017;  // the papers' own law, M Eq 14-18
   const AirState air(Turbidity{turbidity_of(aerosol)});

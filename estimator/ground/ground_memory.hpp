@@ -1,8 +1,7 @@
-// Whether the sun reaches the real ground, place by place, as its brightness tells: what light the sun and the sky send
-// there is known, how much of it the ground returns is learned. A brightness alone could be pale ground in the shade or
-// dark ground in the sun; a reflectance that explains it under many suns tells which. Per place a distribution over the
-// reflectance is kept, and what was seen in the last seconds, of which only the median counts: who walks by leaves
-// nothing behind.
+// Whether the sun reaches the real ground, place by place, by the ground's brightness: the light of sun and sky there
+// is known, the ground's reflectance is learned. A single brightness could be pale ground in the shade or dark ground
+// in the sun; a reflectance that explains it under many suns decides. Kept per place are a distribution over the
+// reflectance and the last seconds' brightness, of which only the median counts, so that passers-by leave no trace.
 #pragma once
 
 #include <array>
@@ -29,7 +28,7 @@ struct GroundGuess {
 
 class GroundMemory {
  public:
-  // Reflectance of each place as far as it is known at first, 0..1: believed to a factor of 1.6.
+  // A first estimate of each place's reflectance, 0..1, within a factor of 1.6.
   explicit GroundMemory(std::span<const float> reflectance);
 
   // One sight for each place. `at_s`: of the pictures' clock, in any order; only differences count.

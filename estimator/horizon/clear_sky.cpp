@@ -17,8 +17,8 @@ namespace {
 
 // Of the picture's height: small enough to lie between a cloud's edges.
 constexpr double kCellShare = 1.0 / 180.0;
-// How many stacks of cells a strip has, and how many pixels of a cell are looked at: the next where the picture is too
-// noisy to tell clear sky from clouds by the one before.
+// Stacks of cells in a strip, and sampled pixels in a cell. Where noise hides the difference between clear sky and
+// clouds, the next larger cells are tried.
 struct CellSize {
   int stacks, pixels;
 };

@@ -29,8 +29,8 @@ struct LowSky {
   std::string reason;                // for people: "clouds at the horizon"
 };
 
-// Of sky that shows neither clouds nor hills. A uniform cover of cloud is not told from clear sky here: its light is
-// unlike that of any clear sky.
+// Of sky that shows neither clouds nor hills. A uniform cloud cover is not detected here; its light fits no clear sky,
+// so that it fails the fit later.
 LowSky read_low_sky(const Camera& scene, const PictureView& picture);
 
 }  // namespace kasumi

@@ -1,5 +1,5 @@
-// By how much a camera exaggerates colours, as haze's fading colours tell: what distance takes from the contrasts of
-// landmarks grows with 1 / wavelength as aerosols let it, or the camera has added to it.
+// By how much a camera exaggerates colours, found from haze: contrasts of landmarks fade with distance faster at short
+// wavelengths, by as much as aerosols allow; anything beyond is the camera's.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace kasumi {
 struct CameraChroma {
   double chroma = 1.0;       // the likeliest; 1: none, or not known
   double log_sigma = 0.0;    // one standard deviation of its logarithm; 0: not known
-  std::size_t pictures = 0;  // that told something
+  std::size_t pictures = 0;  // that could be used
   bool known() const { return log_sigma > 0.0; }
 };
 

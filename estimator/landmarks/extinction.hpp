@@ -28,7 +28,7 @@ struct Extinction {
   std::vector<std::size_t> left_out;               // far from the others' prediction
 };
 
-// The laws of landmarks, and what is believed of them before the first picture, in one channel.
+// The laws of landmarks with their priors, in one channel.
 std::vector<LawOfLandmark> laws_of(const std::vector<ContrastLandmark>& landmarks, double camera_altitude_m);
 ContrastBelief belief_before(const std::vector<ContrastLandmark>& landmarks, const ContrastSpread& spread);
 

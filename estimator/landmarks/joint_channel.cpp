@@ -181,7 +181,7 @@ JointChannel::Information JointChannel::of(const ChannelPicture& picture, double
   return found;
 }
 
-// The gauge: that C0 and all extinctions rise together, no picture can tell. But of many hours the clearest have little
+// The gauge: no picture shows whether C0 and all extinctions rise together. But the clearest of many hours have little
 // aerosol.
 void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std::vector<Information>& all) {
   std::vector<std::size_t> order;

@@ -192,7 +192,7 @@ LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& all) con
                 readings);
 }
 
-// Whether near and far landmarks tell the same extinction.
+// Compares the extinction by near landmarks with that by far ones.
 LandmarkAir LandmarkWatch::agreed(LandmarkAir air, const std::vector<ContrastReading>& readings) const {
   // Distances that differ by 1.4 and more are asked apart; results that differ by over 20 % are reported (physics 11).
   constexpr double kApart = 1.4, kAgree = 1.2;

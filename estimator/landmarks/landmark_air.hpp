@@ -80,9 +80,9 @@ class LandmarkWatch {
   const std::vector<KeptReadings>& kept() const { return kept_; }
   // Continues with what was kept. false, with nothing changed, if it is of other landmarks.
   bool resume(std::vector<KeptReadings> kept);
-  // All pictures of one camera solved together, each then judged by what the others have taught. `left_out`: landmarks
-  // that take no part, neither in the solution nor in the answers, so that these say of the air before those what
-  // nothing seen of them has told.
+  // Solves all pictures of one camera together, then estimates each with constants learnt from the others. `left_out`:
+  // landmarks excluded from solution and answers, so that the estimate of the air before them is independent of their
+  // own readings.
   std::vector<LandmarkAir> estimate_all(const std::vector<std::vector<ContrastReading>>& pictures,
                                         std::span<const std::size_t> left_out = {}) const;
 

@@ -1,6 +1,6 @@
 // The aerosol on the way to the landmarks by all three channels at once: how much of it, and how its extinction goes
 // with wavelength (docs/physics.md 11). What changes contrasts (light on the surfaces, patches of haze) changes all
-// channels alike, so colour is surer than each channel alone.
+// channels alike, so colour is more certain than each channel alone.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace kasumi {
 
-// How alike the channels are in what ContrastSpread and a landmark's contrast say of one.
+// Correlation between channels of the errors that ContrastSpread and a landmark's contrast describe for one.
 struct ColourSpread {
   // A surface's light in units of the horizon's, over what its contrast says: leaves, soil, stone and brick reflect some
   // .45 to .75 as much blue as red. For contrasts between two surfaces there is no such rule.
@@ -61,7 +61,7 @@ class LandmarkColours {
   };
   PathAerosol estimate(const std::vector<ContrastReading>& readings, std::span<const std::size_t> left_out = {},
                        const std::optional<Within>& within = {}) const;
-  // The Cramer-Rao bound: no estimate from such readings is surer than this in that air.
+  // The Cramer-Rao bound: the least covariance of any estimate from such readings in that air.
   PathCovariance bound(const std::vector<ContrastReading>& readings, double per_m, double angstrom_exponent) const;
   // As an observer says it: of all the air, channel by channel; of a bound the bound.
   PathReading reading_of(const PathAerosol& found) const;

@@ -44,8 +44,8 @@ struct LightFactors {
   glm::dvec3 sun{1.0}, around{1.0};
   glm::dvec3 sun_sigma{0.0}, around_sigma{0.0};  // one standard deviation
 };
-// The model's own, +- 14 % each, half of its variance in common, with every reading, +- 7 %, as a normal distribution. A
-// reading farther off than three standard deviations (the card lies in a shadow that nobody told of) counts the less.
+// The model's own, +- 14 % each, half of its variance in common, with every reading, +- 7 %, as a normal distribution.
+// A reading off by more than three standard deviations (such as a card in an unknown shadow) counts less.
 LightFactors factors_by_cards(std::span<const CardReading> readings);
 
 }  // namespace kasumi

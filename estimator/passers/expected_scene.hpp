@@ -1,4 +1,4 @@
-// What the scene looks like while nobody stands in front of it, in the light of each picture.
+// The expected picture of the scene without passers, in the light of each picture.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,8 @@
 
 namespace kasumi {
 
-constexpr Duration kUnchanged = std::chrono::minutes(12);  // who stands so long becomes a part of the scene
+// People who stand still for so long become part of the scene.
+constexpr Duration kUnchanged = std::chrono::minutes(12);
 
 class ExpectedScene {
  public:
@@ -32,7 +33,7 @@ class ExpectedScene {
   const Image<float>& compare(const PicturePart& picture, Duration since);
   // For how long a cell that differs has differed in the same way.
   float still_s(int column, int row) const { return cells_.at(column, row).still_s; }
-  // After compare(): what pixel() tells of these cells and those within `kMargin` of them.
+  // After compare(): pixel() is valid in these cells and within `kMargin` of them.
   static constexpr int kMargin = 3;
   void expect_pixels(const Image<std::uint8_t>& cells);
   // 0..255: luma, Cb, Cr of a pixel of the part, where expect_pixels() was asked for it.

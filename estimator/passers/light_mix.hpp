@@ -1,7 +1,7 @@
-// What a picture would show without anybody in it, as a mixture of remembered pictures: in linear light the sun's part
-// and the sky's add up whatever shades the sun and whatever the camera's exposure is, so that every light is a sum of
-// others. Each window of the picture has a mixture of its own, since clouds shade one place and not the next; what stands
-// before the scene is not a mixture of it, and the fit is robust against it.
+// What a picture would show without passers, as a mixture of remembered pictures: in linear light the sun's part and
+// the sky's add up whatever shades the sun and whatever the camera's exposure is, so that every light is a sum of
+// others. Each window of the picture has a mixture of its own, since clouds shade one place and not the next; what
+// stands before the scene is not a mixture of it, and the fit is robust against it.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ class LightMix {
   void learn(const std::vector<RememberedPicture>& pictures, const Tone& tone);
   bool empty() const { return windows_.empty(); }
 
-  // `light` of each cell; `sigma`: of what a cell differs without anybody, in steps of 255; 0: not to be believed.
+  // `light` of each cell; `sigma`: of a cell's usual difference without passers, in steps of 255; 0: unusable.
   void explain(const Image<glm::vec3>& light, const Image<float>& sigma);
   // Of the window that explains a cell best.
   const Image<glm::vec3>& expected() const { return expected_; }

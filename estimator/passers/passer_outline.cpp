@@ -15,10 +15,10 @@ constexpr float kDiffers = 4.2F;                    // of the mean luma of 3 x 3
 constexpr float kNoises = 4.0F;                     // so many of its standard deviations, if that is more
 constexpr float kTextures = 2.6F;                   // or each differs by as many of a pixel's: the texture is another
 constexpr float kColourDiffers = 1.8F;              // as much more of colour, which cameras spread over its neighbours
-constexpr int kClose_px = 3;                        // gaps up to twice as wide belong to him
-constexpr int kFront_px = 2;                        // around an edge's pixel from where his own light is taken
-constexpr float kLeastContrast = 12.0F;             // of him and what is behind, below which edges are not solved
-constexpr float kMore = 1.1F, kMoreOffset = 0.06F;  // rather somebody's halo than a part of him
+constexpr int kClose_px = 3;                        // gaps up to twice as wide belong to the passer
+constexpr int kFront_px = 2;                        // around an edge's pixel, where the passer's own light is taken
+constexpr float kLeastContrast = 12.0F;             // of passer and background, below which edges are not solved
+constexpr float kMore = 1.1F, kMoreOffset = 0.06F;  // prefer a halo to a clipped person
 
 using Mask = Image<std::uint8_t>;
 

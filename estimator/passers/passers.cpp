@@ -7,11 +7,11 @@ namespace kasumi {
 namespace {
 
 constexpr float kSeed = 6.5F, kGrow = 3.5F;  // of a cell's own standard deviations
-constexpr float kNearSeed = 4.5F;            // where somebody was in the picture before
-constexpr float kAlone = 14.0F;              // one cell alone is somebody: a bird
+constexpr float kNearSeed = 4.5F;            // where a passer was in the picture before
+constexpr float kAlone = 14.0F;              // a single cell counts: a bird
 constexpr int kLeastCells = 3;               // else
 constexpr double kDark_luma = 18.0;          // median of the part
-constexpr float kStill_s = 30.0F;            // nobody keeps as still as that
+constexpr float kStill_s = 30.0F;            // no person keeps as still
 constexpr float kStillShare = 0.9F;          // of an island's cells: the edge of a parked car flickers
 // More at once is new light or a turned camera (docs/cameras.md), or a vehicle that large.
 constexpr double kUnsettledShare = 0.15;

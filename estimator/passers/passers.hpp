@@ -1,5 +1,5 @@
-// Who passes before the building: people, birds, vehicles, found in each picture of the scene camera by what it should
-// look like without them in the light of the moment. Kept, in memory alone, is the scene without them (SceneMemory).
+// People, birds and vehicles before the building, found in each picture of the scene camera by comparison with the
+// scene without them in the same light. Only the scene without them is kept, in memory (SceneMemory).
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ namespace kasumi {
 
 enum class PassersState {
   watching,
-  learning,  // the scene without anybody is not known yet: nobody is kept in front
-  dark,      // too dark to tell who is there
+  learning,  // the scene without passers is not known yet: none are kept in front
+  dark,      // too dark to detect passers
   unsettled  // more of the picture is another than people cover: new light, a bumped camera; learnt soon
 };
 std::string_view name_of(PassersState state);    // for the status: "watching"

@@ -1,5 +1,5 @@
-// Pictures of the scene without anybody in it, some tens of them in as many kinds of light as there were lately. Each is
-// the median of five that lie some seconds apart, so that who walks by is in none. In memory only.
+// Pictures of the scene without passers, some tens in as many kinds of light as there were lately. Each is the median
+// of five taken some seconds apart, which removes passers. In memory only.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ class SceneMemory {
   bool wants(Instant at) const {
     return recent_.empty() || at < recent_.back().at || at - recent_.back().at >= kBetween;
   }
-  // A wanted one, without anybody in it. True when five are together and the last median is `apart` from them: the next
-  // is remembered, and where there are too many, an outdated one is forgotten, or else the older of the two most alike.
+  // `picture`: a wanted one, free of people. True when five have come and the last median is at least `apart` old: the
+  // new median is remembered. Of too many an outdated one is forgotten, else the older of the two most similar.
   bool add(RememberedPicture picture, Duration apart, const PicturePart& part, const Tone& tone);
 
   const std::vector<RememberedPicture>& pictures() const { return pictures_; }

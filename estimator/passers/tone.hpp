@@ -1,4 +1,4 @@
-// From a camera's 8-bit values to light and back, by tables: what light adds up to can be told of light alone.
+// From a camera's 8-bit values to light and back, by tables: sums are valid in linear light only.
 #pragma once
 
 #include <array>

@@ -12,7 +12,7 @@ struct DepthFromHazeOptions {
   double patch = 0.02;     // side of a neighbourhood, of the picture's longer side
   double kept_haze = 0.9;  // of the haze seen, so that distant things still look distant
   double window = 0.1;     // radius of the guided filter, of the longer side
-  double deepest = 6.0;    // optical depth beyond which nothing can be told apart: sky
+  double deepest = 6.0;    // optical depth beyond which land looks like sky
 };
 
 // A guess, not a measurement: every neighbourhood is assumed to contain something black in some channel, so that its

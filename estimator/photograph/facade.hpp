@@ -23,7 +23,7 @@ struct FacadeSky {
 struct FacadeView {
   Image<glm::vec3> light;  // linear, of the facade's pixels; all views of one size
   FacadeSky sky;
-  glm::dvec3 depth{0.0};        // optical depth of the air before it, as others tell it
+  glm::dvec3 depth{0.0};        // optical depth of the air before it, by other landmarks
   glm::dvec3 depth_sigma{0.0};  // one standard deviation
   double sunlit = 0.0;          // cosine of the sun's incidence; 0: in the shade
 };

@@ -59,7 +59,7 @@ Places dark_things(const Image<glm::vec3>& relative, const Image<std::uint8_t>& 
   return places;
 }
 
-// ln(1 - L/Linf) where haze leaves enough to tell.
+// ln(1 - L/Linf) where haze leaves enough contrast.
 Places log_contrasts(const Places& places, const glm::dvec3& infinity, double faintest) {
   Places logs;
   for (const auto& place : places) {

@@ -1,5 +1,5 @@
-// How the haze of a photograph attenuates by wavelength, as the picture itself tells: by how the dark things in it take
-// on the colour of the light from infinity, near and far (docs/physics.md 8).
+// How a photograph's haze attenuates by wavelength, found in the picture itself: dark things take on the colour of the
+// light from infinity, the more the farther they are (docs/physics.md 8).
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,13 @@ struct HazeColourOptions {
   // place, and by this at least.
   double material = 0.02;
   double infinity = 0.01;        // how the light from infinity may be off by channel, sigma; relative
-  double largest_sigma = 0.5;    // of the exponent: beyond, the picture does not tell
+  double largest_sigma = 0.5;    // of the exponent: beyond, it counts as undetermined
   double largest_scatter = 0.2;  // of places about their line, in ln(1 - L/Linf): beyond, materials hide the haze
 };
 
 struct HazeColour {
   bool told = false;
-  std::string reason;        // for people: why the picture does not tell; empty when it does
+  std::string reason;        // for people: why the exponent is undetermined; else empty
   double exponent = 0.0;     // Angstrom's: extinction goes with wavelength^-exponent, that of molecules included
   double sigma = 0.0;        // standard deviation of the exponent
   double depth = 0.0;        // optical depth of green, of the middle of the places
@@ -38,11 +38,11 @@ struct HazeColour {
   int places = 0;            // that were used
 };
 
-// Koschmieder: ln(1 - L/Linf) = -beta_c d + ln(1 - rho_c). For dark things the last term is small and alike near and
-// far, so places at all distances lie along a line whose direction is beta_c; and as it is nearly nothing, beta_c d
-// itself is seen, too. Both tell the exponent, and are weighed. No distances are needed; exposure and white balance
-// cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
-// Exponents of the three channels that do not agree, too little depth, too few places: not told, with the reason.
+// Koschmieder: ln(1 - L/Linf) = -beta_c d + ln(1 - rho_c). For dark things the last term is small and the same near and
+// far, so places at all distances lie along a line whose direction is beta_c; and as it is nearly zero, beta_c d itself
+// is observed, too. Either yields the exponent; their mean is weighted. No distances are needed; exposure and white
+// balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
+// Undetermined, with the reason: exponents of the channels that disagree, too little depth, too few places.
 HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
                        const glm::dvec3& wavelength_nm, const HazeColourOptions& options = {});
 

@@ -1,4 +1,4 @@
-// The mean light of the land around every pixel of a photograph, so that relighting can tell sun from shade.
+// The mean light of the land around every pixel of a photograph, by which relighting separates sun from shade.
 #pragma once
 
 #include "estimator/photograph/retarget.hpp"

@@ -1,4 +1,4 @@
-// What the two skies that bracket a path do not tell of the air between them (base/sky/dome.glsl): how far the skies on
+// What the two skies that bracket a path leave out of the air between them (base/sky/dome.glsl): how far the skies on
 // the way differ from interpolated ones, and what haze there scatters of light that comes from below.
 #pragma once
 

@@ -103,7 +103,7 @@ bool is_natural(const Aerosol& aerosol) {
          (aerosol.other_share <= 0.0 && std::abs(aerosol.angstrom_exponent - natural_exponent(aerosol.kind)) < 1e-4);
 }
 
-// XYZ of which each linear sRGB channel is that of one of three skies.
+// Takes R, G, B (linear sRGB) from skies 0, 1, 2; XYZ.
 glm::dvec3 channel_by_channel(const std::array<glm::dvec3, 3>& xyz) {
   static const glm::dmat3 to_srgb = xyz_to_linear_srgb(), to_xyz = srgb_to_xyz();
   glm::dvec3 srgb{0};

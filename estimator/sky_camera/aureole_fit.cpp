@@ -179,7 +179,7 @@ class Fitting {
  private:
   static constexpr double kWidest = 1.5, kNarrowest = 0.3;  // windows of Tukey's weights, ln light
 
-  // The terms at a place. The last two tell how light there would change if the sun moved.
+  // The terms at a place. The last two are the derivatives of the light there by the sun's place.
   Row terms_at(const Around& around, bool moves) const {
     Row row;
     const auto f = radial_.at(around.distance);

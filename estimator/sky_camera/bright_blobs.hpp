@@ -1,4 +1,4 @@
-// The compact bright areas of a sky picture, any of which may be the sun, and what tells the sun from the others.
+// The compact bright areas of a sky picture, any of which may be the sun, with the features that identify it.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct BrightBlob {
   SunDirection direction{0.0, 0.0, 1.0};  // of its middle
   Radians radius;                         // of the largest circle that fits into it
   Radians scatter;                        // of its middle between two levels
-  std::optional<Radians> lowered;         // how far a sky that is brighter below moves its middle; empty: nobody knows
+  std::optional<Radians> lowered;         // how far a sky that is brighter below moves its middle; empty: unknown
   Radians resolution;                     // of one element there
   double share = 0.0;                     // of all that is as bright in the sky, how much that circle covers
   double around = 0.0;                    // median level 5 deg outside of it

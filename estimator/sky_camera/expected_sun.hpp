@@ -9,7 +9,7 @@ namespace kasumi {
 struct ExpectedSun {
   SunDirection direction{0.0, 0.0, 1.0};
   Radians sigma = from_degrees(2.0);
-  bool azimuth_known = true;  // else only the zenith angle is, since nobody knows how the camera was turned
+  bool azimuth_known = true;  // false: the camera's azimuth is unknown, only the zenith angle is expected
 };
 
 // The probability that what is seen `at` a place is the sun, which was `confidence` before it was asked where the sun is

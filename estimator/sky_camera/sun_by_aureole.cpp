@@ -89,7 +89,7 @@ bool cores_agree(const Looks& looks) {
   return looks.core && looks.core->level > 0.3 && apart_of(looks) < 3.0;
 }
 
-// The mean of both centres by what each is worth.
+// The inverse-variance weighted mean of both centres.
 SunBlob blob_of(const Looks& looks, const SunDirection& aureole, const SunDirection& core) {
   const AureoleFit& a = looks.aureole;
   const double of_aureole = variance_of(a);
@@ -108,8 +108,8 @@ SunBlob blob_of(const Looks& looks) {
   return blob_of(looks, looks.aureole.centre, looks.core ? looks.core->direction : SunDirection{});
 }
 
-// The same without what a clear sky's growth towards the horizon moves either centre. Clouds follow no such rule, so that
-// it is for smooth surroundings only. What tells the sun from other bright places was learnt with the sky as it is.
+// The same, corrected for a clear sky's brightening towards the horizon, which moves either centre. Clouds follow no
+// such rule, so the correction is for smooth surroundings only. The classifier of suns was trained without it.
 SunDirection without_horizon(const Looks& looks, const CoarseSky& sky, const SunBlob& blob) {
   constexpr double kClear = 0.95;  // explained
   const AureoleFit& a = looks.aureole;
@@ -119,7 +119,7 @@ SunDirection without_horizon(const Looks& looks, const CoarseSky& sky, const Sun
   return blob_of(looks, again->centre, unmoved(*looks.core, a)).direction;
 }
 
-// What tells the sun's surroundings from others.
+// Features of the sun's surroundings.
 using Signs = std::array<double, 10>;
 Signs signs_of(const Looks& looks) {
   const AureoleFit& a = looks.aureole;
@@ -160,9 +160,9 @@ std::optional<Looks> look_at(const CoarseSky& sky, const SkyPicture& picture, co
   return looks;
 }
 
-// A lens that hardly spreads its light leaves a small disc and no steep aureole, so that the sky around tells little of
-// its place; but nothing else is a round white spot in a sky that is smooth and brightest around it. Near the horizon
-// the sky is brightest everywhere, and walls and water are white.
+// A lens that hardly spreads its light leaves a small disc and no steep aureole, so that the sky around hardly locates
+// it; but nothing else is a round white spot in a sky that is smooth and brightest around it. Near the horizon the sky
+// is brightest everywhere, and walls and water are white.
 std::optional<SunBlob> sharp_disc(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera,
                                   const SunDirection& place, const SunBlobOptions& options) {
   const auto core = sun_core(picture, camera, place, from_degrees(4.0), options.saturated, kSharpRim);

@@ -1,4 +1,4 @@
-// The sun by the sky around it, which tells a place within a fraction of a degree and is silent where the sky is not smooth.
+// The sun by the sky around it: precise to a fraction of a degree, but only in smooth sky.
 #pragma once
 
 #include <optional>

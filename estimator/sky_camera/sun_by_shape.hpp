@@ -1,5 +1,5 @@
-// The sun by its shape: the roundest, largest, loneliest bright area. That needs no smooth sky around, and tells it among
-// clouds, streaks and drops, in a bloom, and by a camera of which nothing is known.
+// The sun by its shape: the roundest, largest, loneliest bright area. That needs no smooth sky around, and finds the
+// sun among clouds, streaks and drops, in a bloom, and by an unknown camera.
 #pragma once
 
 #include <optional>

@@ -33,8 +33,8 @@ struct SunBlobOptions {
   std::optional<ExpectedSun> expected = std::nullopt;
 };
 
-// By the sky around it where that tells, which is the more precise; else, where that is asked, by its shape. Empty where
-// neither does.
+// By the sky around it where that finds the sun, since it is more precise; else, if asked for, by its shape. Empty
+// where neither does.
 std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options = {});
 
 // "+- 0.4 deg, 97 % sure"

@@ -9,7 +9,7 @@ namespace kasumi {
 
 CameraBelief belief_after(std::span<const ToneSight> pictures, const CameraBelief& before) {
   constexpr double kAlike = 0.1;     // of the logarithm: how far skies of one camera are apart
-  constexpr double kCertain = 0.05;  // what they share, and no number of them tells
+  constexpr double kCertain = 0.05;  // their common error, which no number of pictures reduces
   const double prior = 1.0 / square(before.sigma_log_exponent);
   double weight = prior, sum = prior * before.log_exponent;
   for (const ToneSight& picture : pictures) {

@@ -1,4 +1,4 @@
-// What is known of a camera that nobody measured, before a picture and after several.
+// What is known of an unmeasured camera, before a picture and after several.
 #pragma once
 
 #include <span>
@@ -14,12 +14,12 @@ struct CameraBelief {
   double sigma_altitude_m = 0.0;  // of where it stands; 0: that is known
 };
 
-// A tone exponent as one picture told it, under a belief.
+// A tone exponent by one picture, under a prior.
 struct ToneSight {
   double exponent = 1.0, sigma = 0.0;
 };
-// What is believed of a camera after several of its pictures, each of which was asked under the same `before`. Pictures
-// of one camera err alike, by what no clear sky of the model shows: their number does not make the exponent certain.
+// The posterior after several pictures of a camera, each read under the same prior `before`. Pictures of one camera
+// share an error that the sky model lacks, so their number alone does not make the exponent certain.
 CameraBelief belief_after(std::span<const ToneSight> pictures, const CameraBelief& before = {});
 
 }  // namespace kasumi

@@ -12,8 +12,8 @@
 namespace kasumi {
 namespace {
 
-// Where colour says nothing of the exponent it stays near the kind's own, where nothing tells the kinds apart both have
-// their part.
+// Where colour does not determine the exponent it stays near the kind's own; where kinds fit equally well both keep
+// their share.
 constexpr double kSigmaTilt = 0.3;
 constexpr double kMiddleShare = 0.5, kSigmaShare = 0.5;
 // Found amounts of skies over another ground, or of another phase function, were off by this share for each standard
@@ -265,7 +265,7 @@ FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
   fit.doubts = here.doubts;
   fit.brighter_ground = brighter_ground_;
   fit.at_edge = is_free(kPlace) && (fit.best.place <= 0.0 || fit.best.place >= family_.nodes() - 1.0);
-  // How the likeliest varies by the errors believed in, which are smoother than they were weighed.
+  // Covariance under the assumed error model, which is smoother than the one used as weights.
   OfUnknowns varying = slope_covariance(here);
   varying += (counted_ * stiffness()).asDiagonal();
   const OfUnknowns inverse = (curvature + 1e-6 * OfUnknowns::Identity()).inverse();

@@ -29,10 +29,10 @@ class WhitenedFamily {
   // The nearest of some places, the doubts not asked.
   struct Look {
     SkyAmount amount;
-    double sum = 0.0;  // of squares, what is believed beforehand included
+    double sum = 0.0;  // of squares, the prior included
   };
   Look look(const GivenAir& known, std::span<const SkyAmount> places);
-  // `known`: what is given of the aerosol. Looks everywhere first, or where it is told to `begin`.
+  // `known`: what is given of the aerosol. Searches the whole range first, or starts at `begin`.
   FamilyFit fitted(const GivenAir& known, std::span<const SkyAmount> begin = {});
   // From what was found when errors were weighed otherwise.
   FamilyFit fitted_again(const GivenAir& known, const FamilyFit& before);
@@ -53,7 +53,7 @@ class WhitenedFamily {
   Eigen::VectorXd left_at(const SkyAmount& amount) const;
   double sum_at(const SkyAmount& amount) const;
   Squares squares_at(const SkyAmount& amount) const;
-  OfUnknowns slope_covariance(const Squares& squares) const;  // by the errors believed in
+  OfUnknowns slope_covariance(const Squares& squares) const;  // under the assumed error model
   void doubt_at(const SkyAmount& amount);
   void hold(const GivenAir& known);
   FamilyFit settled(const SkyAmount& from, int layouts);
@@ -62,7 +62,7 @@ class WhitenedFamily {
   // What is held: a number that is given, or that the family has not.
   bool is_free(int unknown) const { return free_[static_cast<std::size_t>(unknown)]; }
   SkyAmount kept(SkyAmount amount) const;
-  // Half of it is what is believed of tilt and share before anything is seen, and how that grows.
+  // Half of it is the prior of tilt and share, and its derivative.
   double prior(const SkyAmount& amount) const;
   Unknowns prior_slope(const SkyAmount& amount) const;
   Unknowns stiffness() const;

@@ -194,7 +194,7 @@ std::string text_of(const FaultFinding& finding) {
         "explains it",
         percent);
   }
-  constexpr double kAsGood = 1.3;  // one picture hardly tells glare from a flat tone curve
+  constexpr double kAsGood = 1.3;  // in one picture glare and a flat tone curve look nearly the same
   std::string text = text_of(*finding.found);
   for (const FaultExplanation& other : finding.tried)
     if (other.fault != finding.found->fault && other.log_residual < kAsGood * finding.found->log_residual &&

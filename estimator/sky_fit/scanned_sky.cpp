@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kFewestAgreeing = 20;   // a quarter of a scan's 81 directions: fewer fit any model
 constexpr double kLeastAgreement = 0.40;      // of the directions looked at; as of a picture's samples
 constexpr double kClearScan = 0.80;           // from this share on the sky is called clear
-constexpr double kLargestLogResidual = 0.16;  // as of pictures; a large sigma refuses nothing, it tells itself
+constexpr double kLargestLogResidual = 0.16;  // as of pictures; no upper limit on sigma
 // A direction is no clear sky when it is off by so many times the others' scatter, and by at least so much of ln Y.
 constexpr double kOffSigmas = 3.5, kLeastOff = 0.10;
 constexpr int kTurns = 4;  // fit and choice of directions by turns; it ends earlier when the choice stays

@@ -1,4 +1,4 @@
-// From a sky scanner's readings to the air above, or to the reason why they do not tell it.
+// From a sky scanner's readings to the air above, or the reason why they do not determine it.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ struct ScanEstimate {
   std::vector<std::uint8_t> used;  // by reading: it agrees with that model
 };
 
-// `sun`: high enough to tell something. Single bad directions and clouds are told from clear sky by what the likeliest
-// model leaves of them.
+// `sun`: high enough for a fit. Single bad directions and clouds are recognised by their residuals under the likeliest
+// model.
 ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
                                 const InstrumentDoubt& scanner);
 

@@ -16,7 +16,7 @@ namespace kasumi {
 namespace {
 
 constexpr std::size_t kFewestPatches = 8;  // three gains and two numbers of the aerosol need more than five
-// Hosek's T stands for an amount of aerosol of his own: so far it may be from ours.
+// The aerosol behind Hosek's T is another than Kasumi's kinds; their amounts may differ by so much.
 constexpr double kHosekSigmaAod = 0.03, kHosekSigmaShare = 0.3;
 // Sky models that know T alone say of the exponent what they suppose.
 constexpr double kSupposedSigmaExponent = 0.4;

@@ -12,10 +12,10 @@ constexpr double kAlikeWithin_rad = 0.6, kAlikeWithinLogDistance = 0.7, kAlikeWi
 constexpr double kShareByPlace = 0.5, kShareByDistance = 0.35, kShareByHeight = 0.15;
 constexpr double kAnyGain = 10.0;  // of ln light: not known at all
 
-// Before anything is seen, and the least that is believed: the dome itself is not nearer to the air it was fitted to.
+// Prior and lower bound: the dome itself follows the air that it was fitted to no better.
 constexpr std::array<UnexplainedScale, kLightParts> kUsual{{{0.03, 0.01}, {0.015, 0.006}, {0.005, 0.003}}};
 constexpr std::array<UnexplainedScale, kLightParts> kLeast{{{0.004, 0.002}, {0.004, 0.002}, {0.002, 0.001}}};
-// Weighed as if so much of an error's deviation were rough (its smooth part being 1); believed: of its variance.
+// Weights assume this rough share of an error's deviation (its smooth part being 1); sigmas this share of its variance.
 constexpr double kWeighedRough = 3.0, kBelievedRough = 0.2;
 // What a model errs is not random: it resembles what another amount would change. Among skies of other aerosols, grounds
 // and mixtures amounts were off by this much more (in variance) than random errors of the same size would make them.

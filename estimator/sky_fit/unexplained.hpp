@@ -51,8 +51,8 @@ class Unexplained {
       factors_[static_cast<std::size_t>(part)].matrixL().solveInPlace(column);
     }
   }
-  // What whitened columns would vary and vary together by, if errors are as smooth as believed: A^T M A, M being the
-  // identity where they are as rough as they are weighed.
+  // Covariance of whitened columns under the assumed smooth errors: A^T M A, where M is the identity if errors are as
+  // rough as the weights assume.
   Eigen::MatrixXd believed(int part, Eigen::MatrixXd columns) const;
 
  private:

@@ -22,7 +22,7 @@ float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
 }
 
 bool solve_form(const std::vector<LookedAt>& places, ClearSkyByForm& sky) {
-  constexpr double kStiffness = 1e-7;  // keeps factors finite where no place tells them
+  constexpr double kStiffness = 1e-7;  // keeps factors finite where no place determines them
   std::array<double, kTerms * kTerms> normal{};
   std::array<double, kTerms> y{}, c{};
   double all = 0.0;
@@ -47,7 +47,7 @@ bool solve_form(const std::vector<LookedAt>& places, ClearSkyByForm& sky) {
     b(i, 0) = y[row];
     b(i, 1) = c[row];
   }
-  // Where nothing tells it, in an overexposed aureole, the function of the distance goes on as it came.
+  // Where no place determines it, in an overexposed aureole, the function of the distance is extrapolated.
   constexpr double kBending = 1e-4;
   constexpr std::array kSecondDifference{1.0, -2.0, 1.0};
   for (int k = 0; k + 2 < static_cast<int>(ClearForm::kRadial); ++k)
@@ -103,7 +103,7 @@ float ClearSkyByForm::colour_at(const ClearForm::Terms& terms) const {
 }
 
 std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& windows) {
-  constexpr float kPerColour = 1.5f;  // of ln R/B: colour is the surer sign
+  constexpr float kPerColour = 1.5f;  // of ln R/B: colour separates better than light
   ClearSkyByForm sky;
   float window = windows.widest;
   for (int round = 0; round < windows.rounds; ++round) {

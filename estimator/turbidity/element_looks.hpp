@@ -1,4 +1,4 @@
-// How the elements of a sky picture look: what tells clear air from cloud without asking a sky model.
+// Features of a sky picture's elements that separate clear air from cloud without a sky model.
 #pragma once
 
 #include <vector>

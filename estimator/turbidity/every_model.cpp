@@ -102,8 +102,8 @@ double sigma_of_offset(std::vector<SkySample> samples, std::span<const float> ha
   return std::abs(with_offset - as_read) / std::sqrt(3.0);
 }
 
-// Where the sky is Preetham's to a hair, his own fit of the luminance alone is the sharper one, and what users of T
-// expect. `readings`: one per sample; their light is a mean, of which rounding and noise leave about half.
+// Where Preetham's sky fits exactly, his own fit of luminance alone is more precise, and what users of T expect.
+// `readings`: one per sample; their light is a mean, of which rounding and noise leave about half.
 void sharpen_papers(SkyFit& fit, std::span<const SkySample> samples, std::span<const SkyReading> readings,
                     std::span<const float> half_steps, const EstimateOptions& options) {
   constexpr float kLeft = 0.5f;  // of rounding and noise, see above

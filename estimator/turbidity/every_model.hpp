@@ -1,5 +1,5 @@
-// The air of a sky picture by every model of the sky (SkyToFit::every_model): what is clear air is told without
-// believing any of them, what they make of it is weighed in estimator/sky_fit.
+// The air of a sky picture by every model of the sky (SkyToFit::every_model): clear air is found without assuming any
+// of them; their fits are weighted in estimator/sky_fit.
 #pragma once
 
 #include "estimator/turbidity/sky_verdict.hpp"

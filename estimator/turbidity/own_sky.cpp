@@ -20,7 +20,7 @@ namespace kasumi {
 namespace {
 
 constexpr Radians kGlare = from_degrees(2.0);    // around the sun: the lens's, no sky
-constexpr Radians kRing = from_degrees(6.0);     // the aureole from the glare to here tells whether the sun is covered
+constexpr Radians kRing = from_degrees(6.0);     // the aureole from the glare to here shows whether the sun is covered
 constexpr Radians kMargin = from_degrees(2.0);   // around what differs: a cloud's edges are as soft
 constexpr Radians kAround = from_degrees(60.0);  // the sky around the sun, which decides whether the form is trusted
 constexpr double kTrusted = 0.9;                 // of what looked clear there must agree; else clouds were fitted

@@ -1,4 +1,4 @@
-// What a picture's clear elements tell of the sky's light and colour, as the fit takes it (estimator/sky_fit).
+// The sky's light and colour by a picture's clear elements, as input of the fit (estimator/sky_fit).
 #pragma once
 
 #include <span>
@@ -18,8 +18,8 @@ struct SkyReadings {
 SkyReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture, const SkyGeometry& geometry,
                         const SkyLight& sky, const Camera& camera, const SunDirection& sun, const SampleLimits& limits);
 
-// What is not known of this camera: colours that were measured are surer than those of a camera that balances white by
-// itself, a lens whose vignetting was measured darkens as it should.
+// How uncertain this camera is: measured colours are more certain than an automatic white balance, and measured
+// vignetting more certain than a lens's usual one.
 InstrumentDoubt doubt_of(const Camera& camera);
 
 }  // namespace kasumi

@@ -1,4 +1,4 @@
-// Whether an estimate is to be believed and, if not, the reason for people, with numbers.
+// Whether an estimate is accepted and, if not, the reason for people, with numbers.
 #pragma once
 
 #include <optional>
@@ -53,7 +53,7 @@ std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest);
 struct SkyEvidence {
   SkyLook look;
   SkyStatistics statistics;
-  ClearAir air;  // as the sky's own form tells it, in the last round
+  ClearAir air;  // by the sky's own form, in the last round
   SkyFit fit;
   int readings = 0;     // the fit's
   int agreeing = 0;     // of them, with the followed sky's luminance

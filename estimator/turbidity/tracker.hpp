@@ -24,7 +24,7 @@ struct TrackerOptions {
 
 struct TrackedTurbidity {
   Turbidity turbidity;       // shown: changes slowly
-  Turbidity target;          // believed: the value that the shown one approaches
+  Turbidity target;          // the estimate, which the shown value approaches
   double sigma = 0.0;        // standard deviation of `turbidity` as today's T, including the distance to the target
   Duration age{};            // since the last estimate that was accepted
   bool trustworthy = false;  // young and certain enough to be called today's air
