@@ -216,8 +216,8 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLay
 Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left) {
   for (;;) {
     const auto whole = state_->next_piece();
-    // What the GPU still has to do would delay the picture all the same. Software GL keeps the memory of as much work
-    // as was ever waiting for it, textures included; but it rasterises some pieces while the next are prepared.
+    // Queued GPU work delays the picture too. Software GL keeps the memory of as much work as was ever waiting for it,
+    // textures included; but it rasterises some pieces while the next are prepared.
     const bool enough = state_->info.software && ++state_->pieces_waiting >= kPiecesWaiting;
     if (time_is_left || enough) {
       glFinish();
