@@ -1,4 +1,4 @@
-// --aod, --angstrom and --aerosol: what a command is told of the air.
+// --aod, --angstrom and --aerosol: the given air.
 #pragma once
 
 #include <optional>

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kMostAtOnce = 20.0;
 constexpr double kOneMoreAfter_s = 600.0;
-constexpr std::size_t kMostThings = 64;    // that are told apart; all others share one bound
+constexpr std::size_t kMostThings = 64;    // with bounds of their own; all others share one
 constexpr std::size_t kLongestThing = 40;  // characters
 
 std::string thing_of(std::string_view text) {

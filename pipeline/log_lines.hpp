@@ -29,8 +29,8 @@ void print_refusal(std::string_view text);
 void print_success(std::string_view text);
 
 // Passes on at most 20 lines at once about one thing (what stands before the first ": ") and then one in ten minutes,
-// which says how many were left out. The last one left out is told by flush() when its time has come, so that the newest
-// line says how it is now.
+// which says how many were left out. flush() writes the last line left out once its pause is over, so that the newest
+// line is current.
 std::shared_ptr<spdlog::sinks::sink> bounded_lines(std::shared_ptr<spdlog::sinks::sink> next, Clock& clock);
 // Bounds what is logged from now on. `clock` must outlive all logging.
 void bound_log(Clock& clock);

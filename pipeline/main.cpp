@@ -20,7 +20,7 @@ int exit_code(const kasumi::Fault& fault) {
   return fault.kind == kasumi::FaultKind::bad_input ? kBadInput : kFailed;
 }
 
-// Thrown where nobody catches it, as in a library's thread.
+// For uncaught exceptions, as in a library's thread.
 [[noreturn]] void say_why_and_abort() {
   try {
     if (const auto thrown = std::current_exception()) std::rethrow_exception(thrown);

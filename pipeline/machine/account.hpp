@@ -1,5 +1,4 @@
-// Whose folder it is. Root does not write into a folder of somebody else's under its own name: links may have been
-// planted there.
+// The owner of a folder. Root does not write as root into another account's folder, which may hold planted links.
 #pragma once
 
 #include <filesystem>
@@ -19,13 +18,14 @@ struct Account {
   std::string name;
 };
 
-// Who is to write into a folder: its owner, if we are root, or the service's account for a folder of root's; else we.
+// The account that writes into a folder. For root: the folder's owner, or the service account for a folder of root's;
+// else the current user.
 Account account_for(const struct stat& folder);
 // For ever, in this process or a child of one with threads. false: errno says why not.
 bool change_to(const Account& account);
 
-// If we are root and the folder, or the first above it that is there, is somebody else's, we are them from now on.
-// Error: io.
+// If this process is root and the folder, or the nearest existing one above it, belongs to another account, switches to
+// that account for good. Error: io.
 Result<> become_owner_of(std::filesystem::path folder);
 
 }  // namespace kasumi

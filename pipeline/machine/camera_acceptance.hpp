@@ -1,5 +1,5 @@
-// Which frames of a camera can be used: asked by the appliance of every frame, and by those who check content beforehand of
-// one, so that they never call valid what can never go live.
+// Which frames of a camera can be used: checked by the appliance for every frame, and by checks of content for one, so
+// that these never pass content that cannot go live.
 #pragma once
 
 #include <map>
@@ -18,9 +18,9 @@ std::string why_unusable(const FrameMetadata& frame, const Camera& camera);
 // "1280x720 instead of 960x540 (120)": the reason that came most often; empty: there is none.
 std::string commonest(const std::map<std::string, std::uint64_t>& reasons);
 
-// Opens both cameras, where they are here and nobody else has them, and waits for a frame of each that can be used. BLOCKS
-// for some seconds. Error (bad_input): what comes of one can never be used, or is a recording without its frames; all
-// problems at once. `untried`: why a camera could not be asked.
+// Opens both cameras, if they are present and not in use, and waits for a usable frame of each. BLOCKS for some
+// seconds. Error (bad_input): a camera's frames can never be used, or it is a recording without its frames; all
+// problems at once. `untried`: why a camera could not be tried.
 Result<> try_cameras(const RunConfig& config, Devices& devices, Clock& clock, std::vector<std::string>& untried);
 
 }  // namespace kasumi

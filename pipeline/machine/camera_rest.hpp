@@ -10,11 +10,11 @@ namespace kasumi {
 
 struct CameraRest {
   Duration lasts{};  // 0: none
-  std::string why;   // the cause that its health tells meanwhile
+  std::string why;   // the cause in its health meanwhile
 };
 
 // `devices` whose cameras rest from now on, each at its first opening alone: not those of a configuration that is
-// loaded later. Whoever unplugs a camera ends its rest. Both must outlive it.
+// loaded later. Unplugging a camera ends its rest. Both must outlive it.
 std::unique_ptr<Devices> resting(Devices& devices, const CameraRest& scene, const CameraRest& sky, Clock& clock);
 
 }  // namespace kasumi

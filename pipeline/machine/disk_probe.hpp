@@ -1,5 +1,5 @@
-// Tries whether a folder can be written, as whoever it belongs to and not as root: in a folder of somebody else's, links
-// may have been planted under any name that can be guessed.
+// Tries whether a folder can be written, as its owner and not as root: another account's folder may hold planted links
+// under any name that can be guessed.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@ struct DiskProbe {
   int error = 0;  // errno; 0: written through to the disk
   bool hangs = false;
   double seconds = 0.0;  // until it was on the disk
-  std::string account;   // as whom it was tried
+  std::string account;   // the account that tried
 };
 
-// Writes `bytes` under a random name that nobody else has, and removes them. A root's folder is tried as the service's
-// account, if there is one. BLOCKS for `longest` at most. Errors (io): no such folder, or no process can be started.
+// Writes `bytes` under a random, unused name, and removes them. A root's folder is tried as the service's account, if
+// there is one. BLOCKS for `longest` at most. Errors (io): no such folder, or no process can be started.
 Result<DiskProbe> probe_disk(const std::filesystem::path& folder, std::size_t bytes,
                              Duration longest = std::chrono::seconds(10));
 

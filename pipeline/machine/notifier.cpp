@@ -16,8 +16,8 @@ namespace kasumi {
 
 namespace {
 
-// systemd's protocol (sd_notify(3)). libsystemd's own sd_notify waits while the manager does not read, and every loop of
-// ours that reports something would stand still with it.
+// systemd's protocol (sd_notify(3)). libsystemd's own sd_notify waits while the manager does not read, and every loop
+// that reports something would block with it.
 class SystemdNotifier final : public Notifier {
  public:
   SystemdNotifier() {

@@ -9,8 +9,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kMaxLateness =
-    std::chrono::seconds(1);  // later frames were due while nobody asked: they are skipped
+constexpr Duration kMaxLateness = std::chrono::seconds(1);  // frames that were due before the last request are skipped
 
 class LiveRecording final : public FrameSource {
  public:

@@ -36,8 +36,8 @@ tl::unexpected<Fault> cec_refused(std::string_view call, int error) {
   return fail(FaultKind::device, "{}: {}", call, std::strerror(error));
 }
 
-// This machine's address on the bus, claimed as a playback device where nobody has claimed one yet. Without a picture's
-// connection, which some televisions drop in their sleep, the unregistered one, by which they can still be woken.
+// This machine's address on the bus, claimed as a playback device if not claimed yet. Without a picture's connection,
+// which some televisions drop in their sleep, the unregistered one, by which they can still be woken.
 Result<std::uint8_t> own_address(CecDevice& adapter) {
   cec_log_addrs addresses{};
   if (const int error = adapter.control(CEC_ADAP_G_LOG_ADDRS, &addresses)) return cec_refused("its addresses", error);

@@ -23,7 +23,7 @@ Result<std::unique_ptr<CecDevice>> open_cec_device(const std::filesystem::path& 
 enum class TelevisionPower { unknown, on, standby };
 std::string_view name_of(TelevisionPower power);
 
-// All of these BLOCK for a few seconds. Errors: device (the adapter refuses, or nobody on the bus answers).
+// All of these BLOCK for a few seconds. Errors: device (the adapter refuses, or no device on the bus answers).
 // Wakes it and makes this machine's input the one it shows.
 Result<> wake_television(CecDevice& adapter);
 Result<> send_television_to_sleep(CecDevice& adapter);

@@ -24,7 +24,7 @@ namespace {
 
 // A synchronization that sets the clock is written down right after it.
 constexpr std::chrono::seconds kSettingTakes{5};
-// The time server's fine adjustment moves the clock by 43 s a day at most; who sets it moves it at once.
+// The time server's fine adjustment moves the clock by 43 s a day at most; setting the clock moves it at once.
 constexpr double kSlewWhileDown_s = 2.0, kSlewBeforeSaving_s = 0.5;
 
 std::optional<bool> ask_kernel() {
@@ -66,7 +66,7 @@ class MachineTimeWatch final : public TimeWatch {
     if (timer_) ::timerfd_settime(timer_.value(), TFD_TIMER_ABSTIME | TFD_TIMER_CANCEL_ON_SET, &never, nullptr);
   }
 
-  // The clock was set: by timesyncd just now, or by somebody else after its last synchronization.
+  // The clock was set: by timesyncd just now, or by another program or a person after its last synchronization.
   void doubt_timesyncd() {
     const auto written = written_at(sources_.timesyncd);
     const Utc now = std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());

@@ -21,7 +21,7 @@ struct TimeSources {
 };
 TimeSources machine_time_sources();
 
-// Notices when somebody sets the clock, by a timer that the kernel then cancels. None of the sources is waited for.
+// Notices when the clock is set, by a timer that the kernel then cancels. None of the sources is waited for.
 std::unique_ptr<TimeWatch> watch_time(TimeSources sources = machine_time_sources());
 
 // The machine's clock against the time since its boot: only setting the clock moves one against the other.

@@ -60,7 +60,7 @@ Result<CheckedFrames> gather_cameras(const CheckArguments& arguments) {
   return CheckedFrames{std::move(*frames), config.installation, stem, clock.utc()};
 }
 
-// A reference next to a file that does not exist would be a new one, and all would be well.
+// Without this check a missing file would get a new reference beside it, so a wrong path would pass.
 Result<> find_calibration(const std::string& file) {
   if (file.empty()) return {};
   const auto root = ConfigTable::read_file(file);

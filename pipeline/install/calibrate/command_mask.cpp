@@ -33,7 +33,7 @@ struct MaskArguments {
   std::string out;
 };
 
-// Writes the mask next to the calibration file. An older mask is kept, because somebody may have edited it.
+// Writes the mask next to the calibration file. An older mask is kept, since it may have been edited by hand.
 Result<int> save(const MaskArguments& arguments, CalibrationStep step, const Image<std::uint8_t>& mask,
                  const Image<Rgb8>& drawing) {
   const auto file = beside(arguments.out, step.camera + "-free.png");

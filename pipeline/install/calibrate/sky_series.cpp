@@ -53,8 +53,8 @@ Camera unfitted(const SeriesPictures& series) {
                    camera_to_world(from_degrees(180.0), edge, Radians{0.0}));
 }
 
-// The lens's circle at the horizon. The picture's rim is round about the lens's axis; where sky ends is round about the
-// zenith, and tells the size alone.
+// The lens's circle at the horizon. The picture's rim is a circle around the lens's axis; the sky's edge is one around
+// the zenith, and yields the size alone.
 ImageCircle at_horizon(const FoundCircle& found) {
   ImageCircle circle = found.circle;
   if (found.horizon) circle.radius_px = found.horizon->radius_px;
@@ -133,7 +133,7 @@ SeenSuns without_rejected(const SeenSuns& seen, const SkyOrientation& found) {
   return kept;
 }
 
-// The camera's own light: what clear skies tell of its tone curve and of the light it loses towards the rim.
+// The camera's tone curve and its loss of light towards the rim, by clear skies.
 struct Light {
   CameraBelief belief;
   int pictures = 0;
@@ -276,7 +276,7 @@ std::vector<Measured> measured_of(const SeriesPictures& series, const SkyCameraF
   return all;
 }
 
-// Trees, houses and wires, written beside the calibration; nothing where the pictures do not tell.
+// Trees, houses and wires, written beside the calibration; nothing where the pictures do not show them.
 Result<std::optional<std::string>> save_mask(const SeriesPictures& series, const Camera& camera,
                                              const std::filesystem::path& out) {
   std::vector<Image<Rgb8>> pictures;

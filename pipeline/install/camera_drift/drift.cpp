@@ -23,7 +23,7 @@ constexpr double kMinVeil = 0.12;        // of the picture's mean light
 constexpr double kVeiledContrast = 0.7;  // and the edges keep less than that
 constexpr double kMinEvenness = 0.5;     // fogged: worst fifth of the edges keeps this share of what the best does
 constexpr double kBrightestVeilReference = 0.4;  // without a darker reference a veil cannot be judged
-constexpr double kMinExposure = 0.35;            // the sky's model itself is no surer
+constexpr double kMinExposure = 0.35;            // the sky's model itself is no more certain
 constexpr std::size_t kFewestSuns = 3;           // a median of three is not moved by one reflection
 // Suns that differ by more are reflections; the scatter has a floor, since three suns may agree by chance.
 constexpr Radians kSunAgreement = from_degrees(0.4), kMinSunScatter = from_degrees(0.05);

@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-// Of the median of pictures over minutes, in which whoever walks or drives is gone.
+// Of the median of pictures over minutes, free of people and vehicles.
 struct ViewReference {
   ViewLines lines;  // at most 480 px long
   DarkPlaces darkest;

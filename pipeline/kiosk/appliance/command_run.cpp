@@ -60,7 +60,7 @@ void log_sighting(const Content& content) {
   for (const auto& note : model_notes(content)) spdlog::info("{}", note);
 }
 
-// Draws it once where nobody sees it: what only GL refuses is found out like that, too.
+// Draws it once off screen, which finds content that only GL refuses.
 Result<int> check_drawing(const RunArguments& arguments, const ContentPtr& content) {
   std::string renderer;
   Result<> drawn;

@@ -1,5 +1,5 @@
-// Everything that passes between the appliance's loops: a mailbox for each. Nothing else is shared. News carries when
-// it was told, since whoever told it may hang.
+// Everything that passes between the appliance's loops: a mailbox for each. Nothing else is shared. Reports carry their
+// time, since the loop that made them may hang.
 #pragma once
 
 #include <array>
@@ -63,7 +63,7 @@ struct Mailbox {
   Pulse pulse;
 };
 
-// New content, to be prepared on the display's GPU before anybody uses it. A later order replaces an earlier one.
+// New content, to be prepared on the display's GPU before any loop uses it. A later order replaces an earlier one.
 struct StageOrder {
   std::uint64_t number = 0;
   ContentPtr content;  // null: never mind
@@ -102,7 +102,7 @@ struct RenderMailbox : Mailbox {
   LatestSlot<SnapshotKind> snapshot;  // wanted
   LatestSlot<HorizonAnswer> horizon;
   LatestSlot<LayerAnswer> layer;
-  Bell bell;  // rung by whoever posts something that cannot wait
+  Bell bell;  // rung with messages that cannot wait
 };
 
 struct HorizonMailbox : Mailbox {
@@ -136,7 +136,7 @@ struct TelevisionMailbox : Mailbox {
   Bell bell;
 };
 
-// What is on the glass, for who asked.
+// The picture on the glass, for the snapshot server.
 struct SnapshotMailbox {
   std::atomic<bool> for_page = false;  // kasumi-report may ask
   LatestSlot<Snapshot> taken;
@@ -146,7 +146,7 @@ struct SnapshotMailbox {
 // What shows that it goes on: counts that grow.
 struct ProvingMailbox : Mailbox {
   ProvingMailbox() : Mailbox("proving") {}
-  std::atomic<std::uint64_t> alive = 0;           // the service manager was told so
+  std::atomic<std::uint64_t> alive = 0;           // how often the service manager was told so
   std::atomic<std::uint64_t> scene_pictures = 0;  // shown
   std::atomic<std::uint64_t> scene_frames = 0;    // whole, of the camera
   std::atomic<bool> closed = false;               // nothing is shown, on purpose

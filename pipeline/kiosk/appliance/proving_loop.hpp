@@ -1,5 +1,5 @@
-// Whether this start has come well: ten minutes of pictures forgive the failures before it, end the probation of new
-// content, and let content that was set up by hand be kept for a day on which another one is refused.
+// Decides whether this start succeeded: ten minutes of pictures clear the failures before it, end the probation of new
+// content, and keep content that was set up by hand as a fallback for refused content.
 #pragma once
 
 #include <cstdint>

@@ -87,7 +87,7 @@ void ReloadLoop::begin() {
               began_ + kReadingDeadline});
 }
 
-// Looks every now and then whether somebody asked anew, and whether the time is up.
+// Checks at intervals for a new request and for the deadline.
 void ReloadLoop::take_content() {
   try {
     std::optional<Result<ContentPtr>> content;

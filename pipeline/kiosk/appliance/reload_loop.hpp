@@ -1,4 +1,4 @@
-// Reloading in two phases: everything is read and prepared, on the GPU too, before anybody uses any of it. Then all
+// Reloading in two phases: everything is read and prepared, on the GPU too, before any loop uses any of it. Then all
 // loops adopt the new content, or none does. An era's content is prepared the same way when its time has come; it was
 // read with all the others, and only the picture's loop and the status learn of it.
 #pragma once

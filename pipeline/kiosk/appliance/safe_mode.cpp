@@ -272,7 +272,7 @@ ContentPtr run_without_content(const FindConfiguration& find, StartLog& starts,
       return false;
     }
     const auto now = clock.now();
-    if (signal == SIGHUP) notifier->ready();  // ends its reload: the status tells what came of it
+    if (signal == SIGHUP) notifier->ready();  // ends its reload; the status shows the result
     if (signal == SIGHUP || (!trying && now >= again_at) || (trying && now >= abandon_at)) {
       trying.emplace(try_again);
       began_at = now;

@@ -1,6 +1,6 @@
-// Safe mode: the still picture and words, when boot after boot has come to nothing, or no content is left that can be
-// shown. Not the appliance: no cameras, no scene, no state, none of its loops; whatever made it fail is left alone. It
-// answers `kasumi snapshot`, since whoever is to mend it may sit far away.
+// Safe mode: the still picture and words, after several boots have failed, or when no content can be shown. It is not
+// the appliance: it uses no cameras, scene, state or loops, any of which may have caused the failure. It answers
+// `kasumi snapshot`, since the operator may be far away.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@
 
 namespace kasumi {
 
-// Why it is only that, as the status tells it.
+// The reason for safe mode, for the status.
 struct SafeReason {
   Trouble trouble = Trouble::safe_mode;
   std::vector<std::string> refused{};  // what is wrong with the content

@@ -28,7 +28,7 @@ void SceneLoop::step(Instant deadline) {
   if (frame && frame->metadata.status == FrameStatus::good) {
     forward(std::move(*frame));
   } else if (!frame && frame.error().kind == FaultKind::disconnected) {
-    mailboxes_.render.frames.take();  // a frame nobody fetched would keep the device open
+    mailboxes_.render.frames.take();  // an unfetched frame would keep the device open
   }
   publish();
 }

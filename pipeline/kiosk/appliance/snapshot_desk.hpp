@@ -25,7 +25,7 @@ class SnapshotDesk {
   void request(SnapshotKind kind, const RunConfig& config, Instant now);
   // A picture is wanted now.
   bool is_due(Instant now) const { return wanted_ && now >= due_; }
-  // What visitors are told; empty: nothing.
+  // The notice to visitors; empty: none.
   std::string words(Instant now) const;
   // The words are on the glass.
   void told(Instant now);

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr Duration kCallerWait = 250ms;         // bounds how late a stop is noticed
 constexpr Duration kRequestDeadline = 1s;       // a caller of this machine has its request ready
-constexpr Duration kPictureWait = 8s;           // visitors are told first, and a display may have to be reopened
+constexpr Duration kPictureWait = 8s;           // visitors get a notice first, and a display may have to be reopened
 constexpr Duration kAnswerTime = 2s;            // a caller that does not read for so long has ended
 constexpr std::size_t kLongestRequest = 16;     // the longest word of the protocol, and a little
 constexpr std::size_t kCommand = 0, kPage = 1;  // places of the two sockets
@@ -41,7 +41,8 @@ SnapshotServer::~SnapshotServer() {
   if (listening_[kPage]) std::filesystem::remove(page_path_, ignored);
 }
 
-// The folder says who may connect: the unit makes it for the reporter's group. Made here it is for this account alone.
+// The folder's permissions say which accounts may connect: the unit creates it for the reporter's group. Created here
+// it is for this account alone.
 void SnapshotServer::offer_page() {
   auto& listening = listening_[kPage];
   const bool wanted = answers_.for_page && !page_path_.empty();
@@ -101,7 +102,7 @@ void SnapshotServer::answer_page(const UniqueFd& caller) {
 
 // Nothing sharp leaves the process unless it was asked for and allowed. Empty: it did not come in time.
 std::optional<Snapshot> SnapshotServer::take(SnapshotKind kind) {
-  // Of a caller who was given up.
+  // Discard an answer meant for a caller that timed out.
   answers_.bell.wait_for({});
   answers_.taken.take();
   ask_(kind);

@@ -16,9 +16,9 @@ namespace kasumi {
 // on; of what the reporter sends nothing is read. It gets at most one picture a minute.
 class SnapshotServer {
  public:
-  // `folder`: where the socket is made. Without it, or where it cannot be made, which is logged, nobody is answered.
-  // `ask` asks who draws, who puts the answer into `answers`, and there says whether the reporter may ask: only while it
-  // may is there a socket for it.
+  // `folder`: where the socket is made. Without it, or where it cannot be made, which is logged, there are no answers.
+  // `ask` forwards the request to the render loop, which puts the answer into `answers` and states there whether the
+  // reporter may ask. Its socket exists only while it may.
   SnapshotServer(const std::optional<std::filesystem::path>& folder, std::function<void(SnapshotKind)> ask,
                  SnapshotMailbox& answers, const Clock& clock);
   ~SnapshotServer();

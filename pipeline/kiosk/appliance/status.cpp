@@ -238,7 +238,7 @@ OrderedJson observer_json(const ObserverPart& part) {
           {"sigmas_apart", part.apart_sigmas}};
 }
 
-// What drives the picture, and who says so; null where T alone is followed.
+// The air that drives the picture, with its observers; null where T alone is followed.
 OrderedJson air_json(const std::optional<TrackedAir>& state) {
   if (!state) return nullptr;
   const Aerosol& aerosol = state->air.aerosol();

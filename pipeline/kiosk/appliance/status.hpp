@@ -26,7 +26,7 @@ struct HeatStatus {
   std::uint64_t spared = 0;         // pictures since the start
 };
 
-// As it is `now`, whenever its parts were told: a loop that hangs tells nothing.
+// The state at `now`, from the latest reports of all loops, which may be older: a loop that hangs reports nothing.
 struct Status {
   Instant now{};
   Utc utc{};

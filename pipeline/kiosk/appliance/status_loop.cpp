@@ -87,7 +87,7 @@ void StatusLoop::gather() {
   judge_render();
 }
 
-// A camera whose loop hangs is down, whatever was told of it last.
+// A camera whose loop hangs is down, whatever its last report said.
 CameraStatus StatusLoop::seen_from_here(CameraStatus camera, const Pulse& loop) const {
   const auto silent = loop.hung(status_.now);
   if (!silent) return camera;
@@ -155,7 +155,7 @@ void StatusLoop::step() {
   govern_heat();
   gather();
   watch_openings();
-  spdlog::default_logger_raw()->flush();  // what was left out of the log and may be told now
+  spdlog::default_logger_raw()->flush();  // writes suppressed lines whose pause is over
   write_status();
   keep_history(minute_.add(history_line(status_), status_.now));
   if (status_.now - saved_ >= options_.save_interval) save_air();
@@ -187,7 +187,7 @@ void StatusLoop::write_status() {
   if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
 }
 
-// Elsewhere, since the disk may not answer; where nobody else writes, here.
+// In the writer's thread, since the disk may hang; without a writer, here.
 void StatusLoop::note(const std::string& what, std::function<void()> job) {
   if (options_.starts)
     options_.starts->writer().post(what, std::move(job));

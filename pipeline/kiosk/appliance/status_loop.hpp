@@ -44,7 +44,7 @@ class StatusLoop {
   Clock& clock_;
   Notifier& notifier_;
   Mailboxes& mailboxes_;
-  struct Told {  // as the other loops told it
+  struct Told {  // by the other loops' reports
     CameraStatus scene_camera, sky_camera;
     SkyStatus sky;
     RenderStatus render;
@@ -64,7 +64,7 @@ class StatusLoop {
   std::string line_;
   bool write_failing_ = false;  // already logged
   HistoryMinute minute_;
-  struct Kept {  // belongs to whoever writes
+  struct Kept {  // owned by the writer
     HistoryKeeper history;
     bool air_failing = false, history_failing = false;  // already logged
   };

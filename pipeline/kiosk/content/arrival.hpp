@@ -1,5 +1,5 @@
-// What came of the bundles that were brought last without anybody at the keyboard (a stick, a folder, a server), for
-// those who sent them: CONTENT/arrived.json, which the running appliance tells in its status.
+// The result of the last unattended installation (from a stick, a folder, a server), for the senders:
+// CONTENT/arrived.json, which the running appliance shows in its status.
 #pragma once
 
 #include <filesystem>

@@ -130,7 +130,7 @@ std::string words_of(const Trusted& trusted, const Installed& installed) {
                      installed.left_alone.empty() ? "installed" : installed.left_alone);
 }
 
-// `arrival`: null, or to tell what came of it; `news`: false where it is what is shown already.
+// `arrival`: null, or receives the result; `news`: false if it is what is shown already.
 Result<int> install_on_screen(const ContentArguments& arguments, const Trusted& trusted, Arrival* arrival, bool& news) {
   const Generations generations(arguments.folder);
   const auto installed = install(trusted, generations, rules_of(arguments), SystemClock().utc());
@@ -151,7 +151,7 @@ Result<int> install_on_screen(const ContentArguments& arguments, const Trusted& 
   return shown;
 }
 
-// By a person, who reads what is printed.
+// By a person, who reads the output.
 Result<int> install_by_hand(const ContentArguments& arguments) {
   if (arguments.paths.size() > 1)
     return fail(FaultKind::bad_input, "{}: expected one bundle, or --newer, which takes the newest of several",
@@ -163,7 +163,7 @@ Result<int> install_by_hand(const ContentArguments& arguments) {
   return install_on_screen(arguments, *trusted, nullptr, news);
 }
 
-// `arrival` tells what came of it; it is no news where nothing lies there, or only what is shown.
+// `arrival` receives the result; `news` is false if nothing was found, or only what is shown already.
 Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival, bool& news) {
   const std::vector<std::filesystem::path> paths(arguments.paths.begin(), arguments.paths.end());
   auto found = open_newest(paths, rules_of(arguments));
@@ -187,7 +187,7 @@ Result<int> install_newest(const ContentArguments& arguments, Arrival& arrival, 
   return done;
 }
 
-// By a unit, a timer, a program: what came of it is noted where those who are far away read it.
+// By a unit, a timer, a program: the result is stored where a remote operator can read it.
 Result<int> install_what_came(const ContentArguments& arguments) {
   Arrival arrival{SystemClock().utc(), fmt::format("{}", fmt::join(arguments.paths, ", ")), {}, false};
   const auto before = last_arrival(arguments.folder);
@@ -201,7 +201,7 @@ Result<int> install_what_came(const ContentArguments& arguments) {
   }
   bool news = true;
   auto done = install_newest(arguments, arrival, news);
-  // What came of the last is to be read until there is something else to tell: folders are looked at at every start.
+  // The last result stays readable until there is another: folders are searched at every start.
   if (!news && before) arrival = *before;
   if (news) arrival.utc = SystemClock().utc();
   if (!done) arrival.words = (arrival.taken ? arrival.words + "; " : "refused: ") + done.error().message;

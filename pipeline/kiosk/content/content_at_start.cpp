@@ -27,7 +27,7 @@ void log_instead(Utc since, const Problem& problems) {
   for (const auto& problem : problems) spdlog::error("  {}", problem);
 }
 
-// Not as it was signed: damaged, or changed by somebody since.
+// Differs from what was signed: damaged, or changed since.
 Result<ContentPtr> read_generation(const Generations& generations, const Generation& generation) {
   auto content = read_content_within(kReadingDeadline, generations.config_of(generation));
   if (!content) return content;

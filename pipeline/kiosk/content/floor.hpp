@@ -1,5 +1,5 @@
-// How old content may be that comes by itself: signed bundles stay signed for ever, and whoever has an old one could bring
-// back what was replaced. The date of the newest that was ever taken is kept in a file of its own, FOLDER/floor.
+// The oldest date that unattended content may have: signed bundles stay valid for ever, so an old one could bring back
+// replaced content. The date of the newest bundle ever installed is kept in a file of its own, FOLDER/floor.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace kasumi {
 // before this program either; empty: by such a clock nothing is known.
 std::optional<Utc> latest_believable(Utc now, bool clock_trusted);
 
-// Empty: none was taken yet, or its date is beyond `latest` and was believed by a clock that was wrong.
+// Empty: none was installed yet, or its date is beyond `latest`, which only a wrong clock can have accepted.
 std::optional<Utc> read_floor(const std::filesystem::path& folder, const std::optional<Utc>& latest);
 // Never lowers it. Error: io.
 Result<> raise_floor(const std::filesystem::path& folder, Utc to, const std::optional<Utc>& latest);

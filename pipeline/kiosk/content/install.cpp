@@ -30,7 +30,7 @@ Result<Trusted> open_trusted_file(const fs::path& path, const InstallRules& rule
   return Trusted{std::move(*bundle), std::move(*by)};
 }
 
-// No links: whoever fills the folder may read less than we.
+// No links: the account that fills the folder may read fewer files than this one.
 Result<std::vector<fs::path>> bundles_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
@@ -179,7 +179,8 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
   const auto there = known ? std::optional(*known) : std::nullopt;
   const auto current = generations.current();
   auto floor = read_floor(generations.folder(), latest);
-  // Of before there was a floor; and a date that was believed by a clock that was wrong shuts nobody out.
+  // For content installed before floors existed. A date that only a wrong clock can have accepted is ignored, so that
+  // it blocks no bundle.
   if (!floor && current && (!latest || current->manifest.created <= *latest)) floor = current->manifest.created;
   const auto leave = reason_to_leave_alone(next, there, current, rules, floor);
   if (!leave) return fail(leave.error());

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using Archive = CPtr<archive, archive_read_free>;
 
 constexpr std::size_t kPiece = 1 << 16;
-constexpr std::size_t kMostProblems = 20;  // more help nobody
+constexpr std::size_t kMostProblems = 20;  // more do not help
 
 // Plain tar and nothing else: no compression, whose bombs need bounds of their own.
 Result<Archive> open_archive(const Bundle& bundle) {
@@ -179,7 +179,7 @@ void look_at_entries(archive* reader, Bundle& bundle, Findings& findings) {
   compare(found, bundle.manifest, findings);
 }
 
-// Reads every file that the manifest names, and passes it on in pieces; `begin` is told of each before, `end` after it.
+// Reads every file that the manifest names, and passes it on in pieces; `begin` is called before each, `end` after it.
 template <class Begin, class Take, class End>
 Result<> read_files(const Bundle& bundle, Begin begin, Take take, End end) {
   auto reader = open_archive(bundle);

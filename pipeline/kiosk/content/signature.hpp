@@ -26,7 +26,7 @@ Result<PublicKey> read_public_key(std::string_view text, std::string name);
 // are no keys), io.
 Result<std::vector<PublicKey>> read_public_keys(const std::filesystem::path& folder);
 
-// Who signed, once it is certain.
+// The verified signer.
 struct Signed {
   std::string by;       // the key's name
   std::string comment;  // the trusted comment, which is signed too

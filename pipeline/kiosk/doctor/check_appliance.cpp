@@ -173,7 +173,7 @@ void check_live_air(const Json& status, Findings& findings) {
                                      number(status, "sigma"), number(status, "turbidity_age_s"));
   const auto state = text(air, "text");
   const auto found = known ? turbidity + (state.empty() ? "" : "; " + state) : state;
-  if (text(status, "shown") == "dark")  // nobody sees it, and by night nobody can know
+  if (text(status, "shown") == "dark")  // it is not shown, and by night unknowable
     findings.good("air", found.empty() ? "unknown, and not needed while closed" : found + " (closed)");
   else if (flag(air, "supposed"))
     findings.warn(

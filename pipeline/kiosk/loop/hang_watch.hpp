@@ -1,4 +1,4 @@
-// Tells in the journal, once each, which loops hang and which are back.
+// Logs once each which loops hang and which are back.
 #pragma once
 
 #include <optional>

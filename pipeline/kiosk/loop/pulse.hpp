@@ -15,7 +15,7 @@ constexpr Duration kDrawingBound = std::chrono::seconds(10);    // may have to w
 constexpr Duration kComputingBound = std::chrono::seconds(30);  // computes, or writes to a disk
 constexpr Duration kBehindBound = std::chrono::minutes(10);     // has to wait for all other threads
 
-// Told by one thread, read by any.
+// Written by one thread, read by any.
 class Pulse {
  public:
   explicit Pulse(std::string_view name) : name_(name) {}

@@ -54,8 +54,8 @@ Instant TelevisionSwitch::step() {
   return again_;
 }
 
-// A message, and ten seconds later a look whether it did as it was told, else the message again. Whoever presses the
-// remote control later is not fought.
+// Sends a message and checks ten seconds later whether the television obeyed; else sends it again. Later use of the
+// remote control is not overridden.
 Result<> TelevisionSwitch::switch_it() {
   auto adapter = devices_.open_television(status_.adapter);
   if (!adapter) return fail(adapter.error());

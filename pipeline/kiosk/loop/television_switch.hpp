@@ -1,5 +1,5 @@
-// Keeps a television as it is wanted: on before opening, asleep after closing. One that does not answer is told once and
-// costs nothing: after a few tries it is left alone until the next change.
+// Keeps a television as it is wanted: on before opening, asleep after closing. One that does not answer is logged once
+// and costs nothing: after a few tries it is left alone until the next change.
 #pragma once
 
 #include <optional>

@@ -17,7 +17,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kAnswerDeadline = 15s;  // a sharp picture waits until visitors have been told
+constexpr Duration kAnswerDeadline = 15s;  // a sharp picture waits until visitors have had a notice
 constexpr Duration kPictureDeadline = 10s;
 constexpr std::size_t kLongestHeader = 16384;
 constexpr int kEnlargedPixels = 640;  // along the longer side: what a person looks at

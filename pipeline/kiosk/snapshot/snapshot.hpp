@@ -1,4 +1,4 @@
-// What the glass shows now, as the appliance tells it to `kasumi snapshot` over a socket in its runtime folder.
+// What the glass shows now, sent by the appliance to `kasumi snapshot` over a socket in its runtime folder.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr std::string_view kSnapshotSocket = "snapshot.sock";
 enum class SnapshotKind {
   blurred,
   sharp,
-  page,  // for the reporter's state page: blurred, too, and visitors are told; over another socket
+  page,  // for the reporter's state page: blurred, too, with a notice to visitors; over another socket
 };
 
 struct Snapshot {

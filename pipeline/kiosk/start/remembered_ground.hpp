@@ -26,8 +26,8 @@ Result<> save(const GroundState& state, const std::filesystem::path& folder);
 Result<std::optional<GroundState>> load_ground_state(const std::filesystem::path& folder);
 
 // Reads it before the ground is looked at for the first time, and writes it every hour in which there was something to
-// learn. What cannot be gone on from (damaged, of another ground, view or version, later than now) is told in the log
-// and begun anew. `folder`: empty: nothing is kept.
+// learn. A file that cannot be used (damaged, of another ground, view or version, later than now) is logged and
+// learning begins anew. `folder`: empty: nothing is kept.
 class GroundKeeper {
  public:
   explicit GroundKeeper(const Clock& clock) : clock_(clock) {}

@@ -54,7 +54,7 @@ StartMode note_start(StartRecord& record, const std::string& boot, double since_
   if (record.boot != boot) begin_boot(record, boot);
   record.starts_s.push_back(since_boot_s);
   if (record.starts_s.size() > kStartsBeforeReboot) record.starts_s.erase(record.starts_s.begin());
-  // Whoever ended safe mode, or a trial after it, has had a hand in it: a person, or safe mode whose time was up.
+  // An end of safe mode, or of a trial after it, was asked for: by a person, or by safe mode whose time was up.
   const bool asked_for = record.ended && (record.mode != StartMode::whole || record.trial);
   record.doing = "starting";
   record.ended = record.well = record.shown = false;

@@ -33,7 +33,7 @@ struct StartRecord {
   int trials = 0;                // since it last came well
   int failed_boots = 0;          // one after the other
   std::vector<std::string> why;  // a line for each of the last failed boots, for the operator
-  bool unasked = false;          // the last start followed one of the same boot that nobody had ended
+  bool unasked = false;          // the last start followed one of the same boot that was not ended on purpose
   // Openings that hung, one after the other, by camera: the watchdog ends the program for each.
   std::map<std::string, int> hung_openings;
 };

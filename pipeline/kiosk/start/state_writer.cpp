@@ -35,7 +35,7 @@ struct StateWriter::Shared {
   std::condition_variable_any changed;
   std::vector<Job> waiting KASUMI_GUARDED_BY(mutex);
   std::optional<SteadyTime> began KASUMI_GUARDED_BY(mutex);
-  bool hurried KASUMI_GUARDED_BY(mutex) = false;  // somebody waits: whatever its time
+  bool hurried KASUMI_GUARDED_BY(mutex) = false;  // a caller waits: do it at once
   bool ending KASUMI_GUARDED_BY(mutex) = false;
 
   bool is_idle() const KASUMI_THREAD_ANNOTATION(requires_capability(mutex)) { return waiting.empty() && !began; }

@@ -1,5 +1,5 @@
-// What is noted on the disk, for whoever must not wait for it: a disk may take seconds, or never answer. Jobs run one
-// after the other in a thread of their own.
+// Disk writes for threads that must not wait: a disk may take seconds, or never answer. Jobs run one after the other in
+// a thread of their own.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
-// What it costs to keep people before the building in front of it: each picture looked at on the processor, and drawn
-// around who is there.
+// The cost of keeping people in front of the building: detection in each picture on the processor, and drawing around
+// them.
 #include "estimator/passers/passers.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
@@ -31,7 +31,7 @@ class Watch {
   const PassersLook& look(const PictureView& picture, Duration later = std::chrono::milliseconds(33)) {
     return passers_.look(picture, now_ += later);
   }
-  // Until it is known what the scene looks like without anybody. False: it is still not.
+  // Until the scene without people is learnt. False: it still is not.
   bool learn(const PictureView& empty) {
     for (int second = 0; second < 300 && passers_.last().state != PassersState::watching; ++second)
       look(empty, std::chrono::seconds(1));

@@ -17,8 +17,8 @@ struct RecordedRun {
   std::vector<BenchRow> rows;
 };
 
-// What /proc/cpuinfo says that tells machines apart: "2 x AMD EPYC, cpu family 25, model 1, stepping 1"; a virtual
-// machine's model name alone may be that of several generations.
+// What identifies a machine in /proc/cpuinfo: "2 x AMD EPYC, cpu family 25, model 1, stepping 1"; a virtual machine's
+// model name alone may be that of several generations.
 std::string processor_of(const std::string& cpuinfo);
 
 // "kasumi", "processor", "renderer" and "rows", each with name, value, unit, goal (or null), less_is_better.
@@ -26,7 +26,7 @@ std::string json_of(const RecordedRun& run);
 // Errors: io; bad_input with all problems, naming file and row.
 Result<RecordedRun> read_recorded_run(const std::filesystem::path& file);
 
-// By how much a cost may have grown before it is told.
+// The growth of a cost that is reported.
 constexpr double kToldGrowth = 1.10;
 
 struct SlowerRow {
@@ -43,7 +43,7 @@ struct RunComparison {
   std::vector<std::string> not_found;  // measured now, not recorded then
   std::vector<std::string> gone;       // recorded then, not measured now
   bool same_machine = true;            // else times were not compared: they belong to a machine
-  // Ratios, too, hang on the machine: of another one they are told and nothing more.
+  // Ratios, too, depend on the machine: against another one they are reported, but never a regression.
   bool is_regression() const { return same_machine && !slower.empty(); }
 };
 

@@ -128,14 +128,13 @@ void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& pr
   }
 }
 
-// Whether nobody says how the haze goes with wavelength. A T with a sun asks for the papers' sky, to which their haze
-// belongs.
+// Whether the haze's exponent was not given. A T with a sun asks for the papers' sky, to which their haze belongs.
 bool may_ask_the_picture(const RetargetArguments& a, const OtherAirOptions& setup) {
   if (a.scattering != "auto" || a.aerosol.describes_kind()) return false;
   return a.source_aod || (a.source_turbidity && !(setup.sun && a.aods.empty()));
 }
 
-// The exponent of the aerosol in air like `air`, as the first picture tells it; empty: it does not. Says what came of it.
+// The exponent of the aerosol in air like `air`, by the first picture; empty: undetermined. Prints the result.
 std::optional<double> exponent_of(const Photograph& first, const OtherAirOptions& setup, const AirState& air) {
   const auto colour = haze_colour_of(setup.camera, hazy_picture(setup.camera, first));
   if (!colour.told) {

@@ -31,8 +31,8 @@ struct RetargetTask {
   std::vector<std::string> target_names;         // "T2.50", "AOD0.300", "clear": as they were asked for
 };
 
-// `first`: the first picture; all have its size. Where nobody says how the haze goes with wavelength, it is asked, and
-// what came of that is printed. Errors (bad_input): every problem; no turbidity from the picture of the sky.
+// `first`: the first picture; all have its size. Where the haze's exponent is not given, it is estimated from that
+// picture, and the result is printed. Errors (bad_input): every problem; no turbidity from the picture of the sky.
 Result<RetargetTask> retarget_task(const RetargetArguments& arguments, const Photograph& first);
 
 }  // namespace kasumi

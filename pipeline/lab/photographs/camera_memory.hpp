@@ -1,5 +1,5 @@
-// What the pictures of a camera tell together that one alone leaves open: its image circle, its tone curve, how it was
-// turned, and whether it mirrors. From all pictures of a call, and from calls before it where a file keeps them.
+// Properties of a camera that need several of its pictures: its image circle, its tone curve, how it was turned, and
+// whether it mirrors. From all pictures of a call, and from calls before it where a file keeps them.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ struct RememberedCamera {
   FoundCircle circle;         // as find_image_circle gives it
   int pictures = 0;           // that see this circle
   CameraBelief belief;
-  int tones = 0;  // pictures that told its tone exponent
+  int tones = 0;  // pictures that determined its tone exponent
   std::optional<SkyTurn> turn;
   std::vector<SunPair> suns;  // the latest, which the turn rests on
 
@@ -52,11 +52,11 @@ class CameraMemory {
   std::optional<FoundCircle> circle_of(const PictureCircle& alone) const;
   // Found in a file before, to spare the search.
   const PictureCircle* found_in(const std::filesystem::path& file) const;
-  // Null: no camera with this circle is known by several pictures; one tells nothing that it does not tell by itself.
+  // Null: no camera with this circle is known by several pictures; a single picture adds nothing to itself.
   const RememberedCamera* camera_of(int width, int height, const ImageCircle& circle) const;
   // Whether any picture showed such a camera.
   bool knows(int width, int height, const ImageCircle& circle) const;
-  // What is believed of a camera where this picture is to be asked: without what the picture itself told.
+  // The prior of a camera for this picture: without the picture's own contribution.
   static CameraBelief belief_beside(const RememberedCamera& camera, const std::filesystem::path& file);
   const std::vector<RememberedCamera>& cameras() const { return cameras_; }
 

@@ -29,7 +29,7 @@ std::string aerosol_text(const SkyPhotographReport& report) {
   return text + "\n";
 }
 
-// Who says so, and how much each is believed: "dome, continental 71 %; preetham 20 %".
+// The models with their weights: "dome, continental 71 %; preetham 20 %".
 std::string models_text(const std::vector<SkyModelAnswer>& models) {
   constexpr double kWorthTelling = 0.005;
   std::string text;

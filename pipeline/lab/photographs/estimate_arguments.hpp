@@ -35,7 +35,7 @@ struct EstimateArguments {
   std::string vignetting = "fit";  // or the share of light that is lost at the rim
   std::string camera_memory;
   std::optional<double> sun_zenith_deg, sun_azimuth_deg, lat, lon;
-  std::optional<double> altitude_m;  // empty: nobody said; the sea's level, within some 500 m
+  std::optional<double> altitude_m;  // empty: not given; taken as sea level, within some 500 m
   std::string utc;
   bool sun_from_image = false;
   bool allow_damaged = false;

@@ -78,7 +78,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
       return;
     }
     of_command_line_ = true;
-    std::ios::sync_with_stdio(false);  // else nobody can tell whether a line is there
+    std::ios::sync_with_stdio(false);  // else available lines cannot be counted
     inputs_.push_back({{}, true});
   } else if (is_there(word)) {
     add_path(arguments, word);

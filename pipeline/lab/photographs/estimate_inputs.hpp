@@ -19,7 +19,7 @@ struct SkyInput {
   std::optional<Utc> utc;
   std::string problem;     // with its line of a list, or its row of a recording; the file is not read then
   std::size_t camera = 0;  // in EstimateInputs::cameras
-  std::string label{};     // of a list's line, what kind of air its writer calls it; `kasumi prove` tells it apart
+  std::string label{};     // of a list's line: the kind of air by its writer, a class of its own for `kasumi prove`
 };
 
 // One line of a list: a path, or a path, a tab and a UTC time, or these, a tab and a label.
@@ -39,8 +39,8 @@ class EstimateInputs {
   std::optional<std::size_t> count() const;
   // Not thread-safe.
   std::optional<SkyInput> next();
-  // The next pictures, at most so many, without taking them. Of standard input only the lines that are there: whoever
-  // writes one and waits for its answer does not wait for ever.
+  // The next pictures, at most so many, without taking them. Of standard input only the lines that are available, so
+  // that a program that writes one and waits for its answer does not wait for ever.
   std::vector<SkyInput> ahead(std::size_t most);
   // All that are left, without taking them; waits for the end of standard input.
   std::vector<SkyInput> all();

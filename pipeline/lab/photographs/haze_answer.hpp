@@ -28,13 +28,13 @@ struct HazeAnswer {
   glm::dvec3 from_infinity{};  // linear, of full scale
   bool from_sky = false;
   std::optional<HazeDepth> depth;  // from the camera to the part; nothing: no part, or haze hides it
-  std::string doubt;               // for people: why the part tells no depth
+  std::string doubt;               // for people: why the part yields no depth
   // With a distance: of green, what remains of it for the aerosol as the whole column's optical depth at 550 nm, and
-  // its exponent; that of usual aerosol where the picture does not tell.
+  // its exponent; that of usual aerosol where the picture does not determine it.
   std::optional<double> extinction_per_m, sigma_per_m, aod_550;
   double exponent = 0.0;
 
-  // What haze takes before the part is not to be told from nothing: its visibility is only a bound.
+  // The extinction before the part is not measurable: its visibility is only a bound.
   bool clear() const { return extinction_per_m && *extinction_per_m < 2.0 * *sigma_per_m; }
   bool useful() const { return colour.told || depth; }
 };

@@ -1,4 +1,4 @@
-// The first look at the pictures of a call, before any is answered: for what only several of one camera tell.
+// The first pass over the pictures of a call, before any is answered: for properties that need several of one camera.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace kasumi {
 
-// What the pictures, and `before`, tell of their cameras. Those that cannot be read are passed over; they are reported
-// when their turn comes. `cameras`: EstimateInputs::cameras(). `kept`: later calls ask the memory, so that a camera's
-// only picture is worth a look, too.
+// The cameras by their pictures and by `before`. Pictures that cannot be read are skipped; they are reported when their
+// turn comes. `cameras`: EstimateInputs::cameras(). `kept`: later calls use the memory, so that a camera's only picture
+// counts, too.
 std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
                                                   const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
                                                   bool kept, std::size_t threads);

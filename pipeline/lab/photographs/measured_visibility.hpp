@@ -18,7 +18,7 @@ using MeasuredVisibilities = std::map<std::string, double>;
 Result<MeasuredVisibilities> read_measured_visibilities(const std::filesystem::path& file);
 
 struct VisibilityCheck {
-  ExtinctionKind kind = ExtinctionKind::nothing;  // of ours
+  ExtinctionKind kind = ExtinctionKind::nothing;  // of Kasumi's own estimate
   double measured_m = 0.0, ours_m = 0.0;          // optical range; ours is the value, or the bound
   double factor = 0.0;                            // ours over measured
   double sigmas = 0.0;                            // of a value: ours less measured extinction over our sigma

@@ -29,7 +29,7 @@ std::optional<SunBlob> find_sun_as_high(const SkyPicture& picture, const Camera&
   return as_high ? seen : std::nullopt;
 }
 
-// Nobody said how the camera was turned.
+// The camera's azimuth was not given.
 void turn_by_sun(const SunGiven& given, PhotographedSun& sun) {
   sun.orientation = Orientation::assumed;
   sun.orientation_told = "--azimuth-up-deg is not given: 0 was assumed";

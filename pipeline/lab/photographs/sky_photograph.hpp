@@ -26,7 +26,7 @@ struct SkyPhotographOptions {
   bool equisolid = false;                // else equidistant
   std::optional<Radians> field_of_view;  // across the circle; empty: 180 deg, or to the horizon where that is seen
   std::optional<ImageCircle> circle;     // empty: detected in each picture
-  std::optional<Radians> azimuth_up;     // empty: nobody said how the camera was turned
+  std::optional<Radians> azimuth_up;     // empty: the camera's azimuth is not given
   bool linear_response = false;          // else sRGB
   std::optional<ToneCurve> tone;         // over sRGB
   // Neither response nor vignetting was measured: both are unknowns beside the air.
@@ -34,7 +34,7 @@ struct SkyPhotographOptions {
   std::optional<double> tone_exponent;         // of an unknown camera, where it is known all the same
   double sigma_altitude_m = 0.0;               // of the site\'s, for an unknown camera; 0: it is known
   std::optional<double> rim_loss;              // of light at the circle's edge, 0 .. 1
-  std::shared_ptr<const CameraMemory> memory;  // what other pictures told of cameras; null: nothing
+  std::shared_ptr<const CameraMemory> memory;  // cameras known by other pictures; null: none
 
   std::optional<SunDirection> sun;  // given by angles
   std::optional<Utc> utc;           // of pictures without a time of their own
@@ -57,7 +57,7 @@ struct SkyPhotographReport {
   double pixel_aspect = 1.0;                  // width of a pixel over its height
   bool mirrored = false;                      // turned over, left to right, by what the memory knows
   PictureCircle camera_circle;                // the same circle, for the memory
-  CloudCover cover;                           // told whether or not the air is
+  CloudCover cover;                           // given whether or not the air is
   std::optional<ToneCurve> tone;              // that was undone
 };
 

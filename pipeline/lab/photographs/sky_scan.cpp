@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t kFewestDirections = 20;
 constexpr std::size_t kMostProblems = 40;
 constexpr double kMostLight = 1e15;  // in any unit; sums of it stay finite
-// A colour can be told from a spectrum that covers most of what the eye sees, in steps that no absorption hides in.
+// A spectrum yields a colour if it covers most of what the eye sees, in steps that miss no absorption band.
 constexpr double kFirstNeeded_nm = 440.0, kLastNeeded_nm = 660.0, kWidestStep_nm = 40.0;
 // One reading's own error beside its scale, which all share.
 constexpr double kReadingSigma = 0.01;

@@ -11,7 +11,7 @@ namespace kasumi {
 namespace {
 
 constexpr auto kNear = std::chrono::minutes(30);
-constexpr double kUsualSigma = 0.2;  // of an extinction whose table tells none
+constexpr double kUsualSigma = 0.2;  // of an extinction whose table gives none
 constexpr double kThickest_per_m = 1.0;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The air before the part in each picture, as everything but the part itself tells it.
+// The air before the part in each picture, by everything but the part itself.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace kasumi {
 
 struct ToldAir {
   glm::dvec3 per_m{0.0}, sigma_per_m{0.0};  // extinction along a level path, by channel
-  std::string unknown;                      // why it is not told; empty: it is
+  std::string unknown;                      // why it is unknown; empty: it is known
 };
 
 // By the other landmarks, all pictures together.

@@ -1,4 +1,5 @@
-// A building of the site put back into every picture under the air that others tell, and compared with how the camera saw it.
+// A building of the site drawn into every picture under the air by other landmarks, and compared with the camera's
+// picture.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace kasumi {
 
-// What air it is drawn under: as told; none; the papers' T = 3; the one that suits all pictures best.
+// The air that it is drawn under: as estimated; none; the papers' T = 3; the one that suits all pictures best.
 enum class ProofWay { told, no_air, fixed_t, constant };
 inline constexpr std::array kProofWays{ProofWay::told, ProofWay::no_air, ProofWay::fixed_t, ProofWay::constant};
 std::string_view name_of(ProofWay way);  // "told", "no_air", "fixed_t3", "best_constant"
@@ -20,7 +21,7 @@ constexpr double kPapersTurbidity = 3.0;
 
 struct ProvedPicture {
   std::size_t view = 0;   // in SceneViews
-  std::string air_class;  // of the list, or by the air told and the sun
+  std::string air_class;  // of the list, or by the estimated air and the sun
   std::string left_out;   // why it is not judged; empty: it is
   bool clear = false;     // one of those that measure the facade, for the pictures of other days
   double sunlit = 0.0;    // cosine of the sun's incidence on the facade; 0: it is in the shade, or no place is known
@@ -30,8 +31,8 @@ struct ProvedPicture {
   // The facade's mean light as the camera encodes it, in 255ths.
   glm::dvec3 seen_255{0.0}, sigma_255{0.0};
   std::array<glm::dvec3, kProofWays.size()> drawn_255{};
-  Image<Rgb8> part;              // its pixels as drawn under the air told
-  double pixel_error_255 = 0.0;  // mean size of the difference of pixels, under the air told
+  Image<Rgb8> part;              // its pixels as drawn under the estimated air
+  double pixel_error_255 = 0.0;  // mean size of the difference of pixels, under the estimated air
   const glm::dvec3& drawn_by(ProofWay way) const { return drawn_255[static_cast<std::size_t>(way)]; }
   // Mean size of the channels' differences.
   double error_255(ProofWay way) const;

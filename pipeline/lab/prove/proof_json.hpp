@@ -8,7 +8,7 @@
 namespace kasumi {
 
 std::string proof_json(const Proof& proof, const ProofSummary& summary, const std::string& made_utc);
-// What `kasumi doctor` tells of it.
+// What `kasumi doctor` reports of it.
 std::string remembered_proof(const Proof& proof, const ProofSummary& summary, const std::string& made_utc);
 // A few lines for a terminal.
 std::string proof_text(const Proof& proof, const ProofSummary& summary);

@@ -9,7 +9,7 @@ namespace kasumi {
 
 // The facade as drawn over the facade as seen, by channel.
 std::string plot_drawn_over_seen(const Proof& proof);
-// How far off it is over the extinction told: as told, without air, under T = 3.
+// The error over the estimated extinction: under that air, without air, under T = 3.
 std::string plot_errors_over_extinction(const Proof& proof);
 // Seen and drawn green over the pictures in order of time.
 std::string plot_over_time(const Proof& proof);

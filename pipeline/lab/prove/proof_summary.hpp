@@ -21,9 +21,9 @@ struct ClassSummary {
 
 struct ProofSummary {
   std::array<ErrorSummary, kProofWays.size()> ways;
-  ErrorSummary with_left_out;       // told, of all whose air is, whether judged or not
+  ErrorSummary with_left_out;       // under the estimated air, of all that have one, judged or not
   glm::dvec3 bias_255{0.0};         // median of drawn - seen, by channel
-  double within_sigma_share = 0.0;  // of pictures and channels; 68 % of what is known as it is told
+  double within_sigma_share = 0.0;  // of pictures and channels; 68 % if sigmas are right
   double worst_sigma = 0.0;
   double pixel_median_255 = 0.0;
   std::vector<ClassSummary> classes;                  // the most pictures first

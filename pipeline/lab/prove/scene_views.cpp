@@ -110,7 +110,7 @@ Result<> find_part(const ProveRequest& request, std::vector<ContrastLandmark> la
                  request.part, scene.camera.width, scene.camera.height);
   if (!(scene.part.distance_m > 0.0)) problems.add("--distance-m: expected how far away {} is", request.part);
   if (!problems.empty()) return fail(problems.fault());
-  // Facades of one building are at one distance, and what is asked for tells nothing of its own air.
+  // Facades of one building are at one distance, and the part in question must not estimate its own air.
   for (auto& landmark : landmarks) {
     const bool own = landmark.name == request.part ||
                      (named != landmarks.end() && std::abs(landmark.distance_m - named->distance_m) < 0.5);

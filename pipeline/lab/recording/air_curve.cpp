@@ -23,7 +23,7 @@ constexpr std::string_view kHead =
     "font-family=\"sans-serif\" font-size=\"12\" fill=\"#282828\">\n<rect width=\"{0}\" height=\"{1}\" "
     "fill=\"#ffffff\"/>\n";
 
-// Who made a mark, and its colour.
+// The observer behind a mark, and its colour.
 constexpr std::array kMarks{std::pair{AirObserver::sky, std::string_view("#2850d2")},
                             std::pair{AirObserver::landmarks, std::string_view("#28963c")},
                             std::pair{AirObserver::horizon, std::string_view("#c87814")},

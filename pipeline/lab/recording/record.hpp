@@ -34,7 +34,7 @@ struct RecordSummary {
 
 // BLOCKS until a limit is reached or `stop` returns true. Whatever is on the disk by then can be replayed.
 // Errors: bad_input (configuration; a recording is there already), io (the folder), and those of opening the display:
-// nobody is recorded without a notice. If the display is lost later, recording goes on while it is reopened.
+// visitors are never recorded without a notice. If the display is lost later, recording goes on while it is reopened.
 Result<RecordSummary> record(const RecordRequest& request, Devices& devices, Clock& clock,
                              const std::function<bool()>& stop);
 

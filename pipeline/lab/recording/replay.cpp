@@ -252,8 +252,8 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     clock = std::make_unique<FastForwardClock>(fixture->info.start_utc);
   auto sources = open_fixture_sources(fixture->folder, *clock);
   if (!sources) return fail(sources.error());
-  // What the first pictures tell of the air is found while GL, which is this thread's, and the model are opened. Nobody
-  // else touches it meanwhile, so the pictures do not depend on who is first.
+  // The air of the first pictures is estimated while this thread opens GL and the model. No other thread uses it
+  // meanwhile, so the pictures do not depend on timing.
   ReplayedAir air(fixture->installation);
   std::future<ReplayedFrame> first;
   if (!request.realtime)

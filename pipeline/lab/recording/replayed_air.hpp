@@ -1,4 +1,4 @@
-// What a fixture's two cameras tell of the air, frame by frame.
+// The air by a fixture's two cameras, frame by frame.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ struct Sight {
 };
 
 SkyAbove above_in(const SkyReport& report);
-// Until the sky camera's first picture comes, the frame's own time tells the sun, as the sky's will.
+// Until the sky camera's first picture comes, the frame's own time determines the sun, as the sky's will.
 void place_sun(SkyReport& report, Utc utc, const Site& site);
 
 // Empty: there are no more, or it is over.

@@ -1,4 +1,4 @@
-// A report of the sky as it reads some time after it was made, for whoever shows it while its maker is silent.
+// A report of the sky, updated for the time since it was made, to be shown while the sky's loop is silent.
 #pragma once
 
 #include "pipeline/show/scene/sky_watch.hpp"

@@ -1,4 +1,4 @@
-// How sure the state of the air is, in the numbers that status, tables and plots tell.
+// The uncertainty of the air's state, in the numbers of status, tables and plots.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace kasumi {
 // Standard deviations of the aerosol's optical depth and exponent; of the papers' air what that of T means.
 double aod_sigma(const TrackedAir& state);
 double angstrom_sigma(const TrackedAir& state);
-// "sky .72, landmarks .28": each observer's share of what is known; "supposed" where nobody has seen the air.
+// "sky .72, landmarks .28": each observer's share of the information; "supposed" without observations.
 std::string observers_text(const TrackedAir& state);
 // The observers that are farthest from the others: over both sigmas; 0: they agree, or there is only one.
 double largest_disagreement_sigmas(const TrackedAir& state);

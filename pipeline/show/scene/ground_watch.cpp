@@ -24,7 +24,7 @@ constexpr double kAirSigma = 0.02;      // relative, of the air's light before t
 constexpr double kSunlessSigma = 0.25;  // of the light under a sky without a sun: its clouds are known badly
 constexpr double kUnsure = 0.25;        // share of the sun's light
 constexpr float kVisible = 0.03f;       // the same
-constexpr std::size_t kStray = 200;     // one point of so many may differ by more: noise, somebody who walks there
+constexpr std::size_t kStray = 200;     // one point of so many may differ by more: noise, a passer-by
 
 glm::dvec3 green_attenuation(const Haze& haze, double range_m, double rise_m) {
   const double low = haze.observer_altitude_m;
@@ -286,7 +286,7 @@ void GroundWatch::see(const PictureView& picture, const FrameMetadata& metadata,
                  static_cast<float>(sigma)};
   }
   memory_->see(sights, to_seconds(metadata.captured_at.time_since_epoch()));
-  if (sunless) return;  // nobody can tell, nor needs to
+  if (sunless) return;  // unknown, and not needed
 
   auto sunlight = std::make_shared<GroundSunlight>(grid_);
   Image<std::uint8_t> known(grid_.share.width(), grid_.share.height(), 0);

@@ -92,7 +92,7 @@ class GroundWatch {
   GroundLook look_;
 };
 
-// What whoever draws asks of it, with a picture.
+// The render loop's request, with a picture.
 struct GroundQuestion {
   std::shared_ptr<GroundWatch> watch;
   std::shared_ptr<const ObjectAppearance> appearance;

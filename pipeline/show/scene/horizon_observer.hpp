@@ -1,5 +1,5 @@
-// The horizon's light behind the building. Measuring it takes longer than drawing a picture, so it can be done apart:
-// by anybody, in any thread.
+// The horizon's light behind the building. Measuring it takes longer than drawing a picture, so it can be done
+// separately, in any thread.
 #pragma once
 
 #include <memory>
@@ -50,7 +50,7 @@ class HorizonObserver {
   double ground_albedo_;
 };
 
-// What whoever draws asks of whoever measures.
+// The render loop's request to the thread that measures.
 struct HorizonQuestion {
   std::shared_ptr<const HorizonObserver> observer;
   FrameMetadata metadata;

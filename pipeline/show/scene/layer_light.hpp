@@ -1,5 +1,5 @@
-// Light and air of a layer. Computing them takes longer than a picture lasts, so it can be done apart: by anybody, in
-// any thread.
+// Light and air of a layer. Computing them takes longer than a picture lasts, so it can be done separately, in any
+// thread.
 #pragma once
 
 #include <memory>

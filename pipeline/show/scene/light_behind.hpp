@@ -19,9 +19,9 @@ constexpr double kNoBound = 10.0;
 std::optional<AirlightGrid> light_behind(const Camera& scene, const PictureView& picture, const PixelBox& box,
                                          const HorizonLight& horizon);
 
-// What is seen through air is the air's light, (1 - left) L, and whatever light comes through it: L is at most
-// seen / (1 - left). `left`: the share of the light that the air lets through, as the air is believed; as the belief
-// may be wrong, the air counts as thinner than that by so much that only fog and thick haze bind.
+// What is seen through air is the air's light, (1 - left) L, and whatever light comes through it: L is at most seen /
+// (1 - left). `left`: the share of the light that the estimated air lets through. Since the estimate may be wrong, the
+// air counts as so much thinner that only fog and thick haze bind.
 glm::dvec3 most_airlight(const glm::dvec3& seen, const glm::dvec3& left);
 
 }  // namespace kasumi

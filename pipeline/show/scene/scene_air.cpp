@@ -22,9 +22,9 @@ namespace {
 // Clouds and people pass while the air stays, so the horizon is smoothed with this time constant. A horizon from before
 // a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
-constexpr double kCardsMemory_s = 180.0;  // somebody leans on the wall; light is reckoned from clouds a moment too late
+constexpr double kCardsMemory_s = 180.0;      // a person leans on the wall; clouds' light is computed a moment late
 constexpr double kCardsForgotten_s = 1800.0;  // unread, what they said of other light leads astray
-constexpr double kBehindMemory_s = 60.0;      // somebody walks through the fog before the camera
+constexpr double kBehindMemory_s = 60.0;      // a person walks through the fog before the camera
 
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.
 constexpr double kMinHazeChange = 0.005;
@@ -39,7 +39,7 @@ std::optional<double> exposure_of(const FrameMetadata& metadata) {
   return *metadata.exposure_s * metadata.gain.value_or(1.0);
 }
 
-// Of what a frame shows against what was believed at `last`, which fades with a time constant.
+// Weight of a frame against the estimate at `last`, which fades with a time constant.
 double weight_after(const std::optional<Instant>& last, const FrameMetadata& metadata, double memory_s) {
   return last ? 1.0 - std::exp(-std::abs(to_seconds(metadata.captured_at - *last)) / memory_s) : 1.0;
 }

@@ -52,7 +52,7 @@ class SceneAir {
   // horizon is known.
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
 
-  // With each frame. The horizon follows the camera's exposure; it is measured again, by whoever has the time, once per
+  // With each frame. The horizon follows the camera's exposure; it is measured again, in any thread, once per
   // horizon_interval of recorded time: a frame is asked for by horizon_is_due() and asked(), and adopted when it comes.
   void follow_exposure(const FrameMetadata& metadata);
   bool horizon_is_due(const FrameMetadata& metadata) const;

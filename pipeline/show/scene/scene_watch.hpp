@@ -23,7 +23,7 @@ struct SceneAirReading {
   Instant when{};                        // the picture was taken
   std::optional<PathReading> path;       // by landmarks
   std::optional<ColumnReading> low_sky;  // above the horizon
-  std::optional<double> saturation{};    // of the camera, as all pictures so far tell; empty: they do not
+  std::optional<double> saturation{};    // of the camera, by all pictures so far; empty: undetermined
   bool empty() const { return !path && !low_sky && !saturation; }
 };
 

@@ -10,7 +10,7 @@ namespace kasumi {
 
 namespace {
 
-// What the state is to those who know T alone.
+// The state for readers that know T alone.
 TrackedTurbidity as_turbidity(const TrackedAir& state) {
   return {state.air.turbidity(), state.believed.turbidity(), state.sigma_turbidity, state.age, state.trustworthy};
 }

@@ -21,13 +21,12 @@ namespace kasumi {
 // Result of one sky frame; the renderer uses the latest.
 struct SkyReport {
   Utc utc{};
-  TurbidityEstimate estimate;  // of this frame
-  std::optional<TrackedTurbidity>
-      tracked;                             // over time, of what drives the picture; empty while nobody has seen the air
-  std::optional<TrackedTurbidity> by_sky;  // over time, by the sky camera alone, for comparison
-  std::optional<TrackedAir> state;         // by all observers; empty: T alone is followed (sky_model = "preetham")
-  std::optional<AirQuality> air;           // of `tracked`, or the given air's
-  std::optional<double> scene_saturation;  // learnt of the scene camera; empty: nothing was
+  TurbidityEstimate estimate;               // of this frame
+  std::optional<TrackedTurbidity> tracked;  // over time, of what drives the picture; empty without observations
+  std::optional<TrackedTurbidity> by_sky;   // over time, by the sky camera alone, for comparison
+  std::optional<TrackedAir> state;          // by all observers; empty: T alone is followed (sky_model = "preetham")
+  std::optional<AirQuality> air;            // of `tracked`, or the given air's
+  std::optional<double> scene_saturation;   // learnt of the scene camera; empty: nothing was
   SunCheck sun;
   std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
@@ -60,8 +59,8 @@ class SkyWatch {
   SkyReport with_air(SkyReport report, Instant when) const;
   // While no frame comes: the last estimate, the tracked air at its present age, the sun's position at `utc`.
   SkyReport at(Instant when, Utc utc, SunSource sun_from) const;
-  // What of the air is worth keeping over a restart; empty while nobody has seen it, where it is given, and where T
-  // alone is followed.
+  // What of the air is worth keeping over a restart; empty without observations, where it is given, and where T alone
+  // is followed.
   std::optional<RememberedAir> to_remember(Instant when, Utc utc) const;
   // Restores what was known at an earlier instant: the state, or the sky camera's T. No effect once it was seen again.
   void remember(const RememberedAir& air, Instant when);

@@ -45,7 +45,7 @@ class Stage {
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
-  // What somebody else is to measure in a scene drawn lately, and what came of it.
+  // Measurements that another thread is to make in a recent scene, and their results.
   std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
   std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
   const GroundLook& ground() const { return compositor_.ground(); }

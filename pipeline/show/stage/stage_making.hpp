@@ -23,8 +23,8 @@ std::shared_ptr<const PreparedStage> prepare_stage(const Content& content);
 // GL, and where GPU and processor share their memory, both are the machine's.
 std::uint64_t bytes_to_stage(const Content& content);
 
-// A first picture drawn where nobody sees it: whatever GL refuses, it refuses then, and the building is there when the
-// first frame comes.
+// A first picture drawn off screen: content that GL refuses fails then, and the building is ready when the first frame
+// comes.
 struct Rehearsal {
   SkyReport sky{};                         // where the sun is not known, an ordinary noon is taken
   PixelLayout layout = PixelLayout::rgb8;  // of the camera's pictures

@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-// Smaller changes are invisible in a picture that nobody compares with the previous one.
+// Smaller changes are invisible without a comparison with the previous picture.
 const Radians kMinSunMove = from_degrees(0.4);
 constexpr double kMinHazeChange = 0.05;         // of T - 1
 constexpr double kMinCloudChange = 0.1;         // of the cloud cover's share

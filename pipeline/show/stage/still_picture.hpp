@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// Around and instead of a curated picture: a dusky grey that nobody mistakes for a black screen.
+// Around and instead of a curated picture: a dusky grey that is not mistaken for a black screen.
 constexpr Rgba8 kStillBackground{38, 44, 52, 255};
 // A longer side is halved: no screen shows more.
 constexpr int kLargestStill_px = 4096;

@@ -59,8 +59,8 @@ Result<Image<Rgba8>> read_still(const std::filesystem::path& file);
 // With `copies`, files are looked for there first, by their whole names below that folder.
 Result<ContentPtr> read_content(const std::filesystem::path& config_file, const std::filesystem::path& copies = {});
 
-// The same where nobody may wait for longer: a disk may never answer, and its reader is left behind then. Error (io)
-// beside those above: it took longer. What it throws is a fault like any other.
+// The same within a deadline: a disk may never answer, and its reader is abandoned then. Error (io) beside those above:
+// it took longer. Exceptions become faults.
 Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const std::filesystem::path& config_file);
 
 // The same content as it is shown at that time: itself while nothing changes. Thread-safe, and quick.

@@ -111,7 +111,8 @@ class Year {
     return day;
   }
 
-  // `wrong` says of each kind of day at which times something is wrong ("" never), `tell` hears of all such times.
+  // `wrong` says of each kind of day at which times something is wrong ("" never), `tell` is called with all such
+  // times.
   template <class Wrong, class Tell>
   void look_for(Wrong wrong, Tell tell) const {
     Run run;

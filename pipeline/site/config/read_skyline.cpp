@@ -48,7 +48,7 @@ Points read_points(const std::filesystem::path& file, Problems& problems) {
 
 Skyline read_skyline(const ConfigTable& object) {
   const auto file = object.optional_file("skyline");
-  std::error_code missing;  // which the table has told
+  std::error_code missing;  // which the table has reported
   if (!file || !std::filesystem::is_regular_file(*file, missing)) return {};
   Problems problems;
   auto points = read_points(*file, problems);

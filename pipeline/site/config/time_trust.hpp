@@ -33,8 +33,8 @@ class TimeWatch {
 class TimeTrust {
  public:
   explicit TimeTrust(ClockOptions options = {}) : options_(options) {}
-  // Where to take the sun's position from now. Trust, once gained, lasts until somebody sets the clock: a machine cut
-  // off from its time server drifts only by seconds a day.
+  // Where to take the sun's position from now. Trust, once gained, lasts until the clock is set: a machine cut off from
+  // its time server drifts only by seconds a day.
   SunSource judge(const ClockState& state, Utc now);
   // Other options from now on; trust that was gained stays.
   void adopt(const ClockOptions& options) { options_ = options; }

@@ -1,6 +1,5 @@
 // Tables of numbers as text with a line of names on top, separated by commas, or, as that line is, by semicolons or
-// tabs, when numbers may have a decimal comma; read for people who must put them right: every problem is told with file,
-// line and column.
+// tabs, when numbers may have a decimal comma; every problem is reported with file, line and column.
 #pragma once
 
 #include <cstddef>

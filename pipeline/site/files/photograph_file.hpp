@@ -9,10 +9,10 @@
 
 namespace kasumi {
 
-// PNG, JPEG; by the module of base/picture_files TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G = B. Turned as
-// EXIF says, an ICC profile's colours made sRGB: as a viewer shows it (base/picture_files/seen_picture.hpp), and as a
-// calibration must refer to it. Errors: bad_input. A JPEG of which a part is missing
-// is refused, unless `damage` is there to be told what is wrong with it (empty: nothing).
+// PNG, JPEG; by the module of base/picture_files TIFF, PNM, EXR (where OpenCV was built with it); grey becomes R = G =
+// B. Turned as EXIF says, an ICC profile's colours made sRGB: as a viewer shows it
+// (base/picture_files/seen_picture.hpp), and as a calibration must refer to it. Errors: bad_input. A JPEG of which a
+// part is missing is refused, unless `damage` is given, which receives what is wrong with it (empty: nothing).
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr);
 
 // By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). A PNG says sRGB
