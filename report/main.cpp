@@ -1,4 +1,4 @@
-// kasumi-report <command>: tells the world how the kiosk is. docs/fleet.md shows what it can do.
+// kasumi-report <command>: reports the kiosk's state over the network. docs/fleet.md shows what it can do.
 #include <atomic>
 #include <csignal>
 #include <exception>

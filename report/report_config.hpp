@@ -1,4 +1,4 @@
-// report.toml: what may be told, and to whom.
+// report.toml: what is reported, and to which recipients.
 #pragma once
 
 #include <filesystem>
@@ -20,7 +20,7 @@ struct HttpOptions {
   std::string address = "127.0.0.1";
   int port = 8750;
   std::vector<std::string> names;    // of hosts by which peers may call it; numbers and localhost always
-  std::vector<TokenOptions> tokens;  // empty: whoever reaches it may read
+  std::vector<TokenOptions> tokens;  // empty: readable by all that reach it
   bool screen_picture = false;       // they may ask for a blurred picture of the screen
 };
 

@@ -1,4 +1,4 @@
-// The reporter: looks at the kiosk's status once a second and tells it wherever it was configured to.
+// The reporter: reads the kiosk's status once a second and reports it over every configured channel.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// Whether what is told arrives: a message of its own through each channel that is configured.
+// Tests whether reports arrive: a trial message through each configured channel.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct Trial {
   Result<std::string> came;  // in words; errors: why it did not
 };
 
-// BLOCKS until all have answered, two minutes at most. A sign of life is given only where the kiosk is well:
-// whoever waits for it would believe it.
+// BLOCKS until all have answered, two minutes at most. A sign of life is sent only if the kiosk is well, since its
+// receiver would take it for real.
 std::vector<Trial> try_channels(const ReportConfig& config, const Heard& heard, Clock& clock);
 
 }  // namespace kasumi::report

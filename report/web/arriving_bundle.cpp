@@ -44,7 +44,7 @@ ArrivingBundle::ArrivingBundle(fs::path folder, const std::string& url, std::uin
       bytes_ = part->bytes;
     }
   if (part_.tag.empty()) forget();
-  // Whoever waits for it may have been cut off before it looked: touched, it is looked at again.
+  // The unit that waits for it may have been cut off before it looked: the new time triggers it again.
   if (!whole_.tag.empty()) ::utimensat(AT_FDCWD, (folder_ / "content/fetched.kasumi").c_str(), nullptr, 0);
 }
 

@@ -31,7 +31,7 @@ class ArrivingBundle {
   const std::string& tag() const { return part_.tag; }         // of the one that is under way; empty: none is
   std::uint64_t bytes() const { return bytes_; }               // that are here of it
 
-  // From its beginning; it will have `all` bytes, 0: nobody knows. Error: io (the disk is too full).
+  // From its beginning; it will have `all` bytes, 0: unknown. Error: io (the disk is too full).
   Result<> begin(std::string tag, std::uint64_t all);
   // Where it was left. Error: io (the same).
   Result<> resume(std::uint64_t all);

@@ -19,7 +19,7 @@ inline constexpr std::uint64_t kMostBundleBytes =
 struct PullOptions {
   std::string url;  // https://; a secret of sorts
   Duration every = std::chrono::minutes(15);
-  std::string ca_file;  // empty: who the machine trusts
+  std::string ca_file;  // empty: the machine's certificate authorities
   std::filesystem::path folder = "/var/lib/kasumi-report";
 };
 
@@ -32,11 +32,11 @@ struct PullBounds {
   Duration whole = std::chrono::hours(12);  // of one exchange
 };
 
-// For those who are far away.
+// For remote operators.
 struct PullStatus {
   std::optional<Utc> asked;               // when the server was last heard to the end
   std::optional<Utc> came;                // since the reporter's start: when a bundle came whole
-  std::uint64_t bytes = 0, of_bytes = 0;  // of the one that is under way; 0: none, or nobody knows
+  std::uint64_t bytes = 0, of_bytes = 0;  // of the current download; 0: none, or unknown
   std::string problem;                    // of the last try; empty: none
 };
 

@@ -1,4 +1,4 @@
-// A GET of a web server that may be slow, endless, or somebody else.
+// A GET from a web server that may be slow, endless, or an impostor.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,8 @@ std::string host_of(const std::string& url);
 // One exchange. Certificates are checked, nothing that is answered is followed, a proxy is the environment's.
 class WebRequest {
  public:
-  // `ca_file`: who may sign the server's certificate; empty: who the machine trusts. `protocols`: "https", "http,https".
+  // `ca_file`: the authorities that may sign the server's certificate; empty: those the machine trusts. `protocols`:
+  // "https", "http,https".
   WebRequest(const std::string& url, const std::string& ca_file, const char* protocols, Duration to_connect);
   ~WebRequest();
   WebRequest(const WebRequest&) = delete;
