@@ -116,7 +116,7 @@ SpectralSensitivity read_sensitivity(const ConfigTable& table, Camera::ColourSpa
     return generic_sensitivity();
   }
   if (colour_space == Camera::ColourSpace::sensor && !separates_daylight(*sensitivity)) {
-    table.problem("sensitivity", "three channels that differ, to tell the colours of the sky apart");
+    table.problem("sensitivity", "three channels that differ, to distinguish the colours of the sky");
     return generic_sensitivity();
   }
   return *sensitivity;

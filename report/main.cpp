@@ -57,9 +57,10 @@ void add_run_command(CLI::App& app, Action& action) {
     std::string config = kConfigFile;
     bool check = false;
   };
-  auto* command = app.add_subcommand("run", "Tells how the kiosk is, as report.toml says, until SIGTERM");
+  auto* command = app.add_subcommand("run", "Reports the kiosk's state, as report.toml says, until SIGTERM");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("--config", arguments->config, "What may be told, and to whom")->capture_default_str();
+  command->add_option("--config", arguments->config, "What is reported, and to which recipients")
+      ->capture_default_str();
   command->add_flag("--check", arguments->check, "Only reads the configuration, and names everything that is wrong");
   command->callback([arguments, &action] {
     action = [arguments]() -> Result<int> {
@@ -96,7 +97,7 @@ void add_try_command(CLI::App& app, Action& action) {
   auto* command =
       app.add_subcommand("try", "Sends a trial through each channel of report.toml, and says what came of it");
   auto config_file = std::make_shared<std::string>(kConfigFile);
-  command->add_option("--config", *config_file, "What may be told, and to whom")->capture_default_str();
+  command->add_option("--config", *config_file, "What is reported, and to which recipients")->capture_default_str();
   command->callback([config_file, &action] {
     action = [config_file]() -> Result<int> {
       const auto config = read_report_config(*config_file);
@@ -151,7 +152,7 @@ int exit_code(const Fault& fault) {
 
 int main(int argc, char** argv) try {
   Action action;
-  CLI::App app("Tells how the kiosk is: pages, metrics and messages for who looks after it", "kasumi-report");
+  CLI::App app("Reports the kiosk's state: pages, metrics and messages for its operators", "kasumi-report");
   app.set_version_flag("--version", KASUMI_VERSION);
   app.require_subcommand(1);
   add_run_command(app, action);

@@ -225,7 +225,7 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
   if (colours.size() < 8) problems.add("{} parts of a clear sky: expected at least 8", colours.size());
   for (const auto& camera : cameras)
     if (!separates_daylight(camera))
-      problems.add("{}: expected a camera whose channels tell the colours of the sky apart", camera.name);
+      problems.add("{}: expected a camera whose channels distinguish the colours of the sky", camera.name);
   if (!problems.empty()) return fail(problems.fault());
 
   const auto prior = prior_of(cameras);

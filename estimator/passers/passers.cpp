@@ -41,8 +41,8 @@ std::string_view name_of(PassersState state) {
 std::string_view reason_of(PassersState state) {
   switch (state) {
     case PassersState::watching: return "";
-    case PassersState::learning: return "the scene without anybody in it is not known yet: the building covers them";
-    case PassersState::dark: return "too dark to tell who stands before the building: it covers them";
+    case PassersState::learning: return "the scene without people is not known yet: the building covers them";
+    case PassersState::dark: return "too dark to detect people before the building: it covers them";
     case PassersState::unsettled:
       return "more of the picture has changed than people cover, by new light or a turned camera: the building covers "
              "them";

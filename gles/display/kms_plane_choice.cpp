@@ -16,7 +16,7 @@ bool has(const KmsPlane& plane, std::uint32_t format) {
 std::string against_camera(const KmsPlane& plane, std::uint32_t format, std::optional<YuvEncoding> encoding) {
   if (!has(plane, format)) return fmt::format("plane {} does not show {}", plane.id, drm_format_text(format));
   if (encoding && std::ranges::find(plane.encodings, *encoding) == plane.encodings.end())
-    return fmt::format("plane {} cannot be told to convert {}", plane.id, name_of(*encoding));
+    return fmt::format("plane {} cannot convert {}", plane.id, name_of(*encoding));
   return {};
 }
 

@@ -327,7 +327,7 @@ TEST_F(RetargetCommand, SaysThatThePictureDoesNotTell) {
         run_kasumi(fmt::format("retarget {} {} --out {}", in_folder("clear.png"), options, in_folder("clear-out.png")));
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr(supposed));
-    EXPECT_THAT(outcome.out, HasSubstr("does not tell"));
+    EXPECT_THAT(outcome.out, HasSubstr("does not determine"));
   }
 }
 

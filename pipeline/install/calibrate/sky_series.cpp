@@ -216,7 +216,7 @@ void report(const SeriesPictures& series, const SeenSuns& suns, const SkyCameraF
       to_degrees(angles.heading), to_degrees(angles.pitch), to_degrees(angles.roll), to_degrees(found.sigma.azimuth),
       to_degrees(found.sigma.tilt_east), to_degrees(found.sigma.tilt_north));
   fmt::print("pictures are {}mirrored{}\n", fit.mirrored ? "" : "not ",
-             fit.mirror_known ? "" : ", as far as suns so near to each other tell");
+             fit.mirror_known ? "" : ", as far as suns so near to each other show");
   if (light.pictures > 0)
     fmt::print(
         "tone curve: sRGB to the power {:.3f} +- {:.3f}; light lost at the rim {:.2f} +- {:.2f}; from {} clear "
@@ -224,10 +224,10 @@ void report(const SeriesPictures& series, const SeenSuns& suns, const SkyCameraF
         std::exp(light.belief.log_exponent), std::exp(light.belief.log_exponent) * light.belief.sigma_log_exponent,
         1.0 - std::exp(-light.rim_loss), std::exp(-light.rim_loss) * light.sigma_rim_loss, light.pictures);
   else
-    fmt::print("tone curve: no clear sky tells it; sRGB is supposed\n");
+    fmt::print("tone curve: no clear sky determines it; sRGB is assumed\n");
   if (used < 3)
-    fmt::print("{} sun{}: that tells the heading, and little else; pictures of other hours tell the rest\n", used,
-               used == 1 ? "" : "s");
+    fmt::print("{} sun{}: that determines the heading, and little else; pictures of other hours determine the rest\n",
+               used, used == 1 ? "" : "s");
   for (const auto& remark : found.undetermined) fmt::print("undetermined: {}\n", remark);
 }
 

@@ -79,7 +79,7 @@ void SnapshotServer::answer(const UniqueFd& caller) {
   if (!snapshot) return;
   const auto sent = write_within(caller, snapshot_answer(*snapshot), kAnswerTime);
   if (!snapshot->picture.empty() && snapshot->kind == SnapshotKind::sharp)
-    spdlog::info("snapshot: a sharp picture was {}", sent ? "sent" : "taken, but nobody waited for it");
+    spdlog::info("snapshot: a sharp picture was {}", sent ? "sent" : "taken, but its caller had gone");
 }
 
 // One that is refused costs a line, which the socket takes at once.
@@ -97,7 +97,8 @@ void SnapshotServer::answer_page(const UniqueFd& caller) {
   }
   const auto sent = write_within(caller, screen_answer_bytes(answer), kAnswerTime);
   if (!answer.picture.empty())
-    spdlog::info("snapshot: a blurred picture for the state page was {}", sent ? "sent" : "taken, but nobody waited");
+    spdlog::info("snapshot: a blurred picture for the state page was {}",
+                 sent ? "sent" : "taken, but its caller had gone");
 }
 
 // Nothing sharp leaves the process unless it was asked for and allowed. Empty: it did not come in time.

@@ -68,7 +68,7 @@ Result<> TelevisionSwitch::switch_it() {
       tries_left_ = 0;
       return {};
     }
-    if (tries_left_ == 0) return fail(FaultKind::device, "it stays {} although it was told otherwise", name_of(*power));
+    if (tries_left_ == 0) return fail(FaultKind::device, "it stays {} despite the message", name_of(*power));
   }
   auto sent = on ? wake_television(**adapter) : send_television_to_sleep(**adapter);
   sent_ = sent.has_value();

@@ -101,7 +101,7 @@ Result<int> take_snapshot(const SnapshotArguments& arguments) {
 
 void add_snapshot_command(CLI::App& app, Action& action) {
   auto* command =
-      app.add_subcommand("snapshot", "What the running kiosk shows now, blurred so that nobody can be recognised");
+      app.add_subcommand("snapshot", "What the running kiosk shows now, blurred so that no person can be recognised");
   auto arguments = std::make_shared<SnapshotArguments>();
   command->add_option("--out", arguments->out, "PNG to write; - is standard output")->capture_default_str();
   command->add_flag("--sharp", arguments->sharp,

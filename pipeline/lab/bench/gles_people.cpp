@@ -89,7 +89,7 @@ Result<std::vector<BenchRow>> bench_people() {
   if (!stopwatch.result()) return fail(stopwatch.result().error());
   if (!found || false_find)
     return fail(FaultKind::unsupported, "people before the building: {}",
-                found ? "somebody is found where nobody is" : "nobody is found where somebody is");
+                found ? "a person is found where there is none" : "a person is not found");
   return std::vector<BenchRow>{
       {.name = "picture (NV12) with people_in_front, nobody there / without", .value = nobody_ratio, .goal = {}},
       {.name = fmt::format("  somebody of {} x {} pixels there / without", kWide_px, kHigh_px),

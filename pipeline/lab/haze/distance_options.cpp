@@ -19,7 +19,7 @@ void add_distance_options(CLI::App& command, DistanceOptions& options, const std
       ->check(CLI::Range(-1e4, 1e4))
       ->capture_default_str();
   command.add_option("--inverse-depth", options.inverse_depth,
-                     "Instead of --depth: nearness, as networks tell it; 1 / metres = scale v + offset");
+                     "Instead of --depth: nearness, as networks give it; 1 / metres = scale v + offset");
   command.add_option("--inverse-scale", options.inverse_scale, "1 / metres per unit of --inverse-depth")
       ->check(CLI::Range(1e-12, 1e12));
   command.add_option("--inverse-offset", options.inverse_offset, "1 / metres where --inverse-depth is 0")

@@ -123,8 +123,7 @@ void add_look_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("look", "What a model holds, what of it is left out, and how it looks");
   auto arguments = std::make_shared<LookArguments>();
   command
-      ->add_option("model", arguments->model,
-                   "A .glb or .gltf; or a folder, of which the share that can be read is told")
+      ->add_option("model", arguments->model, "A .glb or .gltf; or a folder: then how many of its models can be read")
       ->required();
   command->add_option("--scene", arguments->scene, "One of its scenes (eras), by name or number");
   command->add_option("--up", arguments->up, "Which of its axes points up, as [object] up says it")

@@ -129,7 +129,7 @@ Result<CameraMemory> CameraMemory::read(const std::filesystem::path& file) {
 }
 
 Result<> CameraMemory::write(const std::filesystem::path& file) const {
-  std::string text = "# What their pictures told `kasumi estimate --camera-memory` of these cameras.\n";
+  std::string text = "# What `kasumi estimate --camera-memory` learnt of these cameras from their pictures.\n";
   for (const RememberedCamera& camera : cameras_) text += toml_of(camera);
   return write_text_file(file, text);
 }

@@ -146,9 +146,9 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
                   "With --scene: CSV of name,visibility_m that an instrument measured (optical range, 5 %), to compare")
       ->check(CLI::ExistingFile)
       ->needs(scene);
-  auto* haze = command.add_option(
-      "--haze", a.hazes,
-      "Instead of pictures of the sky: photographs of land in haze, sRGB; the exponent of their haze, where they tell");
+  auto* haze = command.add_option("--haze", a.hazes,
+                                  "Instead of pictures of the sky: photographs of land in haze, sRGB; the exponent of "
+                                  "their haze, where they determine it");
   auto* part = command.add_option("--part", a.part, "With --haze: where in the picture its optical depth is read")
                    ->type_name("X,Y,WIDTH,HEIGHT")
                    ->delimiter(',')
@@ -194,7 +194,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
                   "Light lost at the edge of the image circle, 0 to 0.95, or fit: an unknown with --response auto")
       ->capture_default_str();
   command.add_option("--camera-memory", a.camera_memory,
-                     "File that keeps what pictures tell of their cameras (circle, tone curve, orientation) for the "
+                     "File that keeps what pictures show of their cameras (circle, tone curve, orientation) for the "
                      "next call");
   command.add_option("--sun-zenith-deg", a.sun_zenith_deg, "Zenith angle of the sun")->check(CLI::Range(0.0, 180.0));
   command.add_option("--sun-azimuth-deg", a.sun_azimuth_deg, "Azimuth of the sun, clockwise from north")
@@ -208,7 +208,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command.add_option("--utc", a.utc, "When the picture was taken, like 2018-01-29T11:09:20Z");
   command.add_flag("--sun-from-image", a.sun_from_image,
                    "Take the sun from where it is seen in the picture, also where time and place are given; default "
-                   "where nothing else tells");
+                   "where nothing else is known");
   command.add_flag("--allow-damaged", a.allow_damaged,
                    "Use what is left of damaged pictures, and say so; default: refuse them");
   command.add_option("--method", a.method, "free-gain, or the papers' single reference pixel")

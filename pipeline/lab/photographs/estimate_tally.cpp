@@ -22,8 +22,9 @@ std::string EstimateTally::told(std::string_view what) const {
   std::size_t all = unread_;
   for (const auto& [why, count] : reasons) all += count;
   if (all == 0) return fmt::format("no {} was given: the list on standard input is empty", what);
-  if (all == 1 && unread_ == 0) return fmt::format("the {} does not tell the air: {}", what, reasons.front().first);
-  std::string text = fmt::format("none of {} {}s tells the air: ", all, what);
+  if (all == 1 && unread_ == 0)
+    return fmt::format("the {} does not determine the air: {}", what, reasons.front().first);
+  std::string text = fmt::format("none of {} {}s determines the air: ", all, what);
   for (std::size_t i = 0; i < std::min(reasons.size(), kMostReasons); ++i)
     text += fmt::format("{}{} x {}", i == 0 ? "" : "; ", reasons[i].second, reasons[i].first);
   if (reasons.size() > kMostReasons) text += "; ...";

@@ -151,7 +151,7 @@ std::string haze_text(const HazeAnswer& answer) {
         fmt::format("  colour of the haze   exponent {:.2f} +- {:.2f}, by {} places over an optical depth of {:.2f}\n",
                     colour.exponent, colour.sigma, colour.places, colour.depth_range);
   else
-    text += fmt::format("  colour of the haze   the picture does not tell: {}\n", colour.reason);
+    text += fmt::format("  colour of the haze   not determined by the picture: {}\n", colour.reason);
   if (answer.depth)
     text += fmt::format("  optical depth        R {:.2f}, G {:.2f}, B {:.2f} +- {:.2f}\n", answer.depth->depth.r,
                         answer.depth->depth.g, answer.depth->depth.b, answer.depth->sigma);

@@ -34,9 +34,10 @@ void turn_by_sun(const SunGiven& given, PhotographedSun& sun) {
   sun.orientation = Orientation::assumed;
   sun.orientation_told = "--azimuth-up-deg is not given: 0 was assumed";
   if (!sun.seen) {
-    sun.orientation_told += ", and no sun is seen in the picture to tell better";
+    sun.orientation_told += ", and no sun is seen in the picture to correct it";
     sun.doubt =
-        "the picture's orientation is not known (--azimuth-up-deg 0 was assumed, and no sun is seen to tell it)";
+        "the picture's orientation is not known (--azimuth-up-deg 0 was assumed, and the picture shows no sun to "
+        "determine it)";
     return;
   }
   if (near(*sun.disagreement, *sun.seen)) {

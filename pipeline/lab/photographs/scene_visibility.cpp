@@ -176,7 +176,7 @@ std::string visibility_text(const LandmarkWatch& watch, const SceneVisibility& s
                           1e3 * air.aerosol.per_m, 1e3 * std::sqrt(air.aerosol.covariance.per_m),
                           air.aerosol.exponent_told ? fmt::format("{:.1f} +- {:.1f}", air.aerosol.angstrom_exponent,
                                                                   std::sqrt(air.aerosol.covariance.exponent))
-                                                    : "not told: the colours are no aerosol's");
+                                                    : "not determined: the colours are no aerosol's");
     if (air.turbidity.turbidity)
       text +=
           fmt::format("  that would be    T {:.2f} +- {:.2f}\n", air.turbidity.turbidity->value, air.turbidity.sigma);

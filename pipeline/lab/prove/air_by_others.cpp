@@ -64,7 +64,7 @@ Result<std::vector<ToldAir>> air_by_table(const SceneViews& scene, const std::fi
   if (!problems.empty()) return fail(problems.fault());
   std::vector<ToldAir> airs;
   for (const auto& view : scene.views) {
-    airs.push_back({{}, {}, "the table of the air tells nothing of that time"});
+    airs.push_back({{}, {}, "the table of the air has no line for that time"});
     if (!view.utc || rows.empty()) continue;
     const auto away = [&](const auto& row) { return std::chrono::abs(row.first - *view.utc); };
     const auto nearest = std::ranges::min_element(rows, {}, away);

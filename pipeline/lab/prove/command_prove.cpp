@@ -18,7 +18,7 @@ namespace {
 
 Result<int> run_proof(const ProveRequest& request) {
   if (request.landmarks.empty() && request.air.empty())
-    return fail(FaultKind::bad_input, "prove: expected who tells the air: --landmarks FILE, or --air TABLE");
+    return fail(FaultKind::bad_input, "prove: expected the source of the air: --landmarks FILE, or --air TABLE");
   if (request.lat.has_value() != request.lon.has_value())
     return fail(FaultKind::bad_input, "--lat and --lon: expected both");
   const auto proof = prove(request);
@@ -69,7 +69,8 @@ void add_prove_command(CLI::App& app, Action& action) {
       ->add_option("--faces-deg", r.faces_deg,
                    "Where the facade faces, degrees from north clockwise: by that the sun is on it or not")
       ->check(CLI::Range(-360.0, 360.0));
-  command->add_option("--landmarks", r.landmarks, "[[landmarks]] that tell the air, those of the building left aside");
+  command->add_option("--landmarks", r.landmarks,
+                      "[[landmarks]] to estimate the air from, without those of the building");
   command->add_option("--air", r.air,
                       "A table of it instead: utc, extinction_g_per_m, if known extinction_r_per_m, "
                       "extinction_b_per_m, extinction_sigma_per_m");
@@ -91,7 +92,7 @@ void add_prove_command(CLI::App& app, Action& action) {
   command->add_option("--utc-offset-h", r.times.utc_offset_h, "Of those times from UTC: 9 in Japan")
       ->check(CLI::Range(-14.0, 14.0))
       ->capture_default_str();
-  command->add_option("--state", r.state, "The kiosk's folder of its state: kasumi doctor then tells of the result");
+  command->add_option("--state", r.state, "The kiosk's state folder: kasumi doctor then reports the result");
   command->add_option("--out", r.out, "Folder for index.html, sheet.png, proof.json")->required();
   command->callback([request, &action] { action = [request] { return run_proof(*request); }; });
 }

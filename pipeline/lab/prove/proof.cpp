@@ -66,7 +66,7 @@ std::string why_left_out(const ProofView& view, const ProvedPicture& picture) {
   if (view.sky_clipped) return "the sky beside it is brighter than full scale";
   if (std::min({view.sky.light.r, view.sky.light.g, view.sky.light.b}) <= 0.0)
     return "no light from infinity beside it";
-  if (!picture.air.unknown.empty()) return "the others tell no air: " + picture.air.unknown;
+  if (!picture.air.unknown.empty()) return "the other landmarks yield no air: " + picture.air.unknown;
   return {};
 }
 

@@ -120,10 +120,9 @@ Result<> find_part(const ProveRequest& request, std::vector<ContrastLandmark> la
       scene.others.push_back(std::move(landmark));
   }
   if (scene.others.empty() && request.air.empty())
-    return fail(
-        FaultKind::bad_input,
-        "--landmarks: nothing but {} itself tells the air: expected landmarks of other distances, or --air TABLE",
-        request.part);
+    return fail(FaultKind::bad_input,
+                "--landmarks: only {} itself would give the air: expected landmarks of other distances, or --air TABLE",
+                request.part);
   scene.patch = around(scene.part.surface, scene.camera);
   return {};
 }

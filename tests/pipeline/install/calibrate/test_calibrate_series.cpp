@@ -88,7 +88,7 @@ TEST(CalibrateSeries, TwoSunsSayHowLittleThatIs) {
   const auto told =
       run_kasumi(fmt::format("calibrate sky {} --lat 34.7 --lon 135.8 --out {}", folder.string(), file.string()));
   ASSERT_EQ(told.code, 0) << told.err;
-  EXPECT_THAT(told.out, HasSubstr("2 suns: that tells the heading, and little else"));
+  EXPECT_THAT(told.out, HasSubstr("2 suns: that determines the heading, and little else"));
   EXPECT_THAT(told.out, HasSubstr("undetermined: "));
 }
 

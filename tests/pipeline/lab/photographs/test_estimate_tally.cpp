@@ -22,13 +22,13 @@ TEST(EstimateTally, WhyNothingIsKnownIsTheCommonestReasonFirst) {
   tally.useless("overcast");
   tally.useless("overcast");
   EXPECT_EQ(tally.exit_code(), 1);
-  EXPECT_EQ(tally.told("picture"), "none of 3 pictures tells the air: 2 x overcast; 1 x night");
+  EXPECT_EQ(tally.told("picture"), "none of 3 pictures determines the air: 2 x overcast; 1 x night");
 }
 
 TEST(EstimateTally, OneAloneNeedsNoCounting) {
   EstimateTally tally;
   tally.useless("overcast");
-  EXPECT_EQ(tally.told("scan"), "the scan does not tell the air: overcast");
+  EXPECT_EQ(tally.told("scan"), "the scan does not determine the air: overcast");
 }
 
 TEST(EstimateTally, AnEmptyListIsNoSuccess) {
