@@ -1,4 +1,4 @@
-// The aerosol in the air as all rooms speak of it: how much, how its extinction goes with wavelength, and of what kind
+// The aerosol in the air, for all rooms: its amount, how its extinction varies with wavelength, and its kind
 // (docs/physics.md, section 12).
 #pragma once
 

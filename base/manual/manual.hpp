@@ -21,8 +21,8 @@ std::string bash_completion(const CLI::App& app);
 // and keys. `#key = value` is a default, `# key = value` a key without one, `key = value` one that must be there.
 std::string key_page(std::string_view example, std::string_view name, std::string_view version);
 
-// After a command line was refused: "did you mean --turbidity?\n", of commands, options and the words an option takes;
-// empty: nothing is near.
+// For a refused command line: "did you mean --turbidity?\n", from commands, options and the words an option takes;
+// empty: nothing similar.
 std::string meant_instead(const CLI::App& app, const std::string& refusal, int argc, char** argv);
 
 // `--manual page`, `--manual bash`, or `--manual keys` with an example on standard input, printed for the build: false:

@@ -45,7 +45,7 @@ class RareFiles {
   virtual bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const = 0;
   // Null: cannot be opened.
   virtual std::unique_ptr<FilmDecoder> open_film(const std::string& file) const = 0;
-  // H.264 where it is to be had, else MPEG-4; of even size. Null: neither.
+  // H.264 where available, else MPEG-4; of even size. Null: neither.
   virtual std::unique_ptr<FilmEncoder> make_film(const std::string& file, double frames_per_second,
                                                  cv::Size size) const = 0;
 };

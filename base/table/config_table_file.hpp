@@ -15,7 +15,7 @@ struct ConfigTable::File {
   std::map<std::string, std::filesystem::path> files;
   std::map<std::string, std::filesystem::path> adopted;  // full keys, and the file each came from
   std::filesystem::path copies;  // a folder in which named files are looked for first; empty: none
-  // Top tables of which a named table is missing or refused: what else stands there may not have been asked for.
+  // Top tables in which a named table is missing or refused, so that their other keys may not have been read.
   std::set<std::string> unread;
   bool missing_excused = false;
 };
