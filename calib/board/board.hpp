@@ -26,7 +26,7 @@ struct BoardView {
   std::vector<glm::dvec2> on_board;  // the same corners in metres, in the board's plane
   // To locate the corners again once the lens is known (refine_corners); null: they stay.
   std::shared_ptr<const Image<std::uint8_t>> picture{};
-  double clear_m = 0.0;  // so far each way from a corner nothing is printed but its own four squares
+  double clear_m = 0.0;  // within this distance of a corner only its own four squares are printed
 };
 
 // Cells along each side of a picture, in which coverage by the board is counted.

@@ -14,10 +14,10 @@ namespace {
 constexpr double kAgree = 0.02;        // of the radius
 constexpr double kNear = 0.08;         // circles this near are one rim seen badly, where few pictures see them
 constexpr double kFew = 0.34;          // of those that see the circle they are near
-constexpr double kOther = 0.25;        // what a vote for another circle than a picture's best is worth
+constexpr double kOther = 0.25;        // weight of a vote for another circle than a picture's best
 constexpr double kCounts = 0.1;        // least confidence of a circle that is counted
 constexpr double kSure = 0.5;          // a picture this sure of its own circle keeps it
-constexpr double kByOthersOnly = 0.3;  // of their confidence, where nothing in the picture speaks for their circle
+constexpr double kByOthersOnly = 0.3;  // of their confidence, where the picture itself shows no sign of their circle
 
 using Pictures = std::vector<std::size_t>;
 

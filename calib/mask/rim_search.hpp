@@ -15,7 +15,7 @@ struct RankedRim {
   RimEvidence evidence;
   double score = 0.0;  // ln odds that it is right
 };
-// All circles that anything speaks for, the likeliest first.
+// All circles with any evidence, the likeliest first.
 std::vector<RankedRim> ranked_rims(const cv::Mat3f& tones);
 
 // By the larger of the differences of centre and radius, as a share of b's radius.

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSpeck_px = 12;    // less than a leaf: noise
 constexpr int kNear_px = 3;      // how far a pixel looks for others of its kinds, to each side
-constexpr int kRim_px = 5;       // around it: all that is looked at so, corners included
+constexpr int kRim_px = 5;       // around it: the area examined, corners included
 constexpr double kSharp = 0.05;  // of what was never or always covered, that noise and clouds make
 constexpr double kNever = 0.01, kAlways = 0.97;
 
@@ -34,8 +34,9 @@ double covered_share(const std::vector<glm::vec3>& light, const glm::vec3& behin
   return sum / static_cast<double>(light.size());
 }
 
-// A pixel's share looked at again, where not all around it is free or covered: between what is purely behind and purely
-// in front near by, since the pixel itself may never be either. `first`: the shares as found at first, 0..1.
+// A pixel's share estimated again, where its surroundings are neither all free nor all covered: between nearby pure
+// background and pure foreground, since the pixel itself may never be either. `first`: the shares as found at first,
+// 0..1.
 double refined_share(const PictureSeries& series, const Image<PixelKinds>& kinds, const Behind& behind,
                      const cv::Mat1d& first, int x, int y) {
   glm::vec3 back(0.0F), front(0.0F);

@@ -59,7 +59,8 @@ std::ptrdiff_t used_of(const SkyOrientation& found) {
   return std::count(found.used.begin(), found.used.end(), true);
 }
 
-// Suns err alike towards the horizon, which looks like a curved lens: two odd terms must be worth as much as six.
+// Suns share an error towards the horizon that looks like a curved lens: two odd terms must improve the fit as much as
+// six parameters.
 constexpr int kOddTerms = 6;
 
 // Schwarz' criterion over all suns; those that a candidate leaves out cost it three of their sigmas.

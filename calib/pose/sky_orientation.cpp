@@ -163,8 +163,8 @@ std::vector<bool> agreeing(const Model& model, std::span<const SunSight> sights,
   return agree;
 }
 
-// The two sights that explain most of the others with the lens as it was known. A scale that is a few percent off
-// bends all rotations, so the tolerance grows with what is not known.
+// The two sights that explain most of the others under the prior lens. A scale error of a few percent distorts all
+// rotations, so the tolerance grows with the lens's uncertainty.
 std::optional<Model> consensus(std::span<const SunSight> sights, const SkyPrior& prior) {
   const auto lens = make_lens(wide(prior.lens));
   const double tolerance_px =
