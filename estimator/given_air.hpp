@@ -26,7 +26,7 @@ struct GivenAir {
   std::optional<Aerosol> whole() const { return aod_550 ? std::optional(with(*aod_550)) : std::nullopt; }
   // Of which only the amount is to be found; empty: T alone is.
   std::optional<Aerosol> to_be_found() const { return any() ? std::optional(with(0.0)) : std::nullopt; }
-  // What `more` gives goes before.
+  // Values given by `more` take precedence.
   GivenAir overridden_by(const GivenAir& more) const;
 };
 

@@ -115,7 +115,7 @@ class Mixture {
     }
     const double data = weight_ / cloud_variance_, prior = 1.0 / std::pow(options_.cloud_sigma, 2);
     cloud_ = (data * blueness + prior * options_.cloud) / (data * sum + prior);
-    // Scatter with a few samples' worth of what is usual.
+    // Scatter with a prior of a few samples.
     double clear_square = 0.0, cloud_square = 0.0, clear_sum = 0.0;
     for (std::size_t k = 0; k < samples_.size(); ++k) {
       const double off = samples_[k].blueness - clear_at(samples_[k]), from_cloud = samples_[k].blueness - cloud_;

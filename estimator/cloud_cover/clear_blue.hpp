@@ -22,7 +22,7 @@ struct ClearBlueOptions {
   // What cameras have in common: grey clouds are nearly neutral, a clear zenith is bluer by so much.
   double cloud = 0.06, cloud_sigma = 0.04;
   double zenith_contrast = 0.47, zenith_sigma = 0.20;
-  double independent = 150.0;  // samples of one sky are alike: they count as so many
+  double independent = 150.0;  // samples of one sky are correlated: they count as so many
   int samples = 1500;
 };
 

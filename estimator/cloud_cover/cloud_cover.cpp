@@ -154,7 +154,7 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
   const double doubt = 0.12 * std::exp(-std::pow((blue.contrast - 0.10) / 0.04, 2));
   cover.sigma =
       std::hypot(std::hypot(0.035, 0.6 * span, doubt), 0.3 * clipped, std::hypot(0.3 * glow_share, 0.2 * land));
-  // People name a sky mostly by what is above them.
+  // People classify a sky mostly by its upper part.
   const cv::Mat1b upper(region & (sky.zenith_deg < kClassZenith));
   const bool enough = cv::countNonZero(upper) > 0.3 * cv::countNonZero(region);
   const double above = enough ? cv::mean(is_cloud, upper)[0] : *cover.fraction;

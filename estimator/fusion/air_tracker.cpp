@@ -10,7 +10,7 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLeastRememberedSigma = 0.005;  // of ln amount: no state was ever surer, whatever a file says
+constexpr double kLeastRememberedSigma = 0.005;  // of ln amount: a lower bound, whatever a file says
 // Chosen: ln aod changes by some .08 in it, less than observers' errors.
 constexpr Duration kStillNow = std::chrono::minutes(10);
 constexpr double kMostOfWeather = 4.0;  // standard deviations

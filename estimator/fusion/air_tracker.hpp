@@ -88,7 +88,7 @@ class AirTracker {
   enum class Verdict { taken, unusable, outlier, restarted };
   Verdict observe(const ColumnReading& reading, Instant when);
   Verdict observe(const PathReading& reading, Instant when);
-  // As it was known at an earlier instant. No effect once there is a reading.
+  // Starts from an earlier state. No effect once there is a reading.
   void remember(const RememberedAir& air, Instant when);
 
   // The air to show at an instant; does not depend on how often it is called.

@@ -42,7 +42,8 @@ class GaussMarkov {
   void advance(Duration time);
   // The sum of `row` was seen to be `value`; `variance`: of errors that no other observation has.
   void observe(const Row& row, double value, double variance);
-  // The sum of `row`, hitherto `before`, is now known as `after`. Where the sum is not quite linear, `before` says so.
+  // Conditions the state on the sum of `row`, whose distribution changes from `before` to `after`. `before` allows for
+  // a sum that is not quite linear.
   void condition(const Row& row, const Normal& before, const Normal& after);
   // The quantity has jumped by about so much.
   void doubt(std::size_t i, double variance);

@@ -1,4 +1,4 @@
-// Of which kind the aerosol is, and whose sky stands above, over time.
+// The aerosol's kind, and the sky model that fits, over time.
 #pragma once
 
 #include <array>
@@ -24,15 +24,15 @@ class KindBelief {
   void remember(AerosolKind kind, bool papers_sky, Instant when);
 
   AerosolKind shown() const;
-  // The kind beside the shown one, and its share of the two's depth: of each what it has over a kind of which nothing is
-  // known. 0 where there is none.
+  // The kind beside the shown one, and its share of the two's depth: of each, its excess over the uniform prior. 0
+  // where there is none.
   struct Beside {
     AerosolKind kind = AerosolKind::continental;
     double share = 0.0;
   };
   Beside beside() const;
   bool papers_sky() const { return !given_ && papers_sky_; }
-  Kinds kinds(Instant when) const;  // sum 1; all alike where nothing is known
+  Kinds kinds(Instant when) const;  // sum 1; uniform where nothing is known
   double papers_share() const { return given_ ? 0.0 : papers_share_; }
 
  private:

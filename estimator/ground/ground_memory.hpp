@@ -47,7 +47,7 @@ class GroundMemory {
 
  private:
   static constexpr int kSteps = static_cast<int>(kLearntBytes);  // of the reflectance, evenly spaced in its logarithm
-  static constexpr int kLately = 5;                              // sights of which the median counts
+  static constexpr int kLately = 5;                              // sights in the median
   using Shares = std::array<float, kSteps>;
   struct Place {
     Shares prior, now;                    // of the reflectance; each sums to 1

@@ -49,9 +49,9 @@ std::string_view name_of(HorizonLight::Source source);
 HorizonColumn column_at(const HorizonLight& horizon, Radians azimuth);
 
 // The scene camera's horizon sky at up to `columns` azimuths across the view: the lowest clear sky of each, above hills
-// that fade into it and between clouds. Where too little is clear to be sure (`reason` then says so), the lowest
-// visible sky, without outliers and smoothed over azimuth. A clipped sky gives the clipped value with a low quality,
-// since that is what the picture shows. When there is none, `reason` says why.
+// that fade into it and between clouds. Where too little is clear (`reason` then says so), the lowest visible sky,
+// without outliers and smoothed over azimuth. A clipped sky gives the clipped value with a low quality, since that is
+// what the picture shows. When there is none, `reason` says why.
 HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, int columns = 16);
 
 // For scenes that show no sky: the sky camera's ring at zenith angles 75-85 deg around the view's azimuths gives the

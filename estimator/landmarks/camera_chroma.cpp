@@ -46,7 +46,7 @@ CameraChroma camera_chroma(const std::vector<glm::dvec3>& per_m, const glm::dvec
   for (int c = 0; c < 3; ++c) molecules[c] = rayleigh_per_m(ScatteringModel::aerosol, wavelength_nm[c], altitude_m);
   CameraChroma best;
   double least = std::numeric_limits<double>::infinity(), weights = 0.0, sum = 0.0, squares = 0.0;
-  std::vector<std::pair<double, double>> costs;  // ln of chroma, and what speaks against it
+  std::vector<std::pair<double, double>> costs;  // ln of chroma, and its cost
   for (int k = -20; k <= 28; ++k) {
     const double log_chroma = 0.05 * k;
     std::size_t told = 0;

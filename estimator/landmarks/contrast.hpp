@@ -69,7 +69,7 @@ std::vector<ContrastReading> read_contrasts(const Camera& camera, const Image<gl
                                             const std::vector<ContrastLandmark>& landmarks,
                                             const HorizonLight& horizon = {}, const ContrastNoise& noise = {});
 
-// Marks those that the sun shines on. Facades of which nothing is said are not marked.
+// Marks those that the sun shines on. Facades without a known direction are not marked.
 void mark_lit(const std::vector<ContrastLandmark>& landmarks, const Direction& sun,
               std::vector<ContrastReading>& readings);
 // A dark surface that is brighter than the sky beside it stands before a sky that is no light from infinity (a rain

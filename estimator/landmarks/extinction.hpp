@@ -43,7 +43,7 @@ class LandmarkExtinction {
   void believe(ContrastBelief belief) { belief_ = std::move(belief); }
   const ContrastBelief& belief() const { return belief_; }
 
-  // From this picture alone. Surfaces that are in the sun are asked only where there are no others.
+  // From this picture alone. Surfaces in the sun are used only where there are no others.
   Extinction estimate(const std::vector<ContrastReading>& readings) const;
 
  private:

@@ -31,11 +31,11 @@ constexpr double kSettled = 1e-4;              // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
 constexpr double kLeastContrastSigma = 0.006;
 constexpr double kLeastToldScatter = 0.4;  // of one picture: what deviates does so for hours
-constexpr double kScatterReadings = 12.0;  // of which the stated scatter is worth as much
+constexpr double kScatterReadings = 12.0;  // the stated scatter counts as so many readings
 constexpr double kLeastScatter = 0.25, kGreatestScatter = 5.0;
 
-// The clearest hours: ln of aerosol varies by .7 at a place (AERONET) and by .5 between places; .35 is the chance of
-// which hours were met.
+// The clearest hours: ln of aerosol varies by .7 at a place (AERONET) and by .5 between places; .35 is the sampling of
+// hours.
 constexpr double kLogSpread = 0.7, kClearestLogSigma = 0.6, kClearestShare = 0.03;
 
 // What the lowest share of a place's hours shows in the mean (nearly the quantile of half of the share), when each was

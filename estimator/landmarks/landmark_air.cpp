@@ -194,7 +194,8 @@ LandmarkAir LandmarkWatch::estimate(const std::vector<ContrastReading>& all) con
 
 // Compares the extinction by near landmarks with that by far ones.
 LandmarkAir LandmarkWatch::agreed(LandmarkAir air, const std::vector<ContrastReading>& readings) const {
-  // Distances that differ by 1.4 and more are asked apart; results that differ by over 20 % are reported (physics 11).
+  // Landmarks whose distances differ by 1.4 and more are solved separately as well; results that differ by over 20 %
+  // are reported (physics 11).
   constexpr double kApart = 1.4, kAgree = 1.2;
   if (air.extinction().kind != ExtinctionKind::value) return air;
   std::vector<double> paths;

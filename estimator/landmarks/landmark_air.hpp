@@ -72,7 +72,7 @@ class LandmarkWatch {
   std::vector<ContrastReading> read(const Camera& camera, const Image<glm::vec3>& encoded,
                                     const std::optional<Direction>& sun = {}) const;
 
-  // By what is known of the landmarks. At least 300 times faster than a solution.
+  // With the landmarks' constants as learnt so far. At least 300 times faster than a solution.
   LandmarkAir estimate(const std::vector<ContrastReading>& readings) const;
   // Keeps the picture among the last kMostKept, and solves for what is constant of the landmarks in all of them. One that
   // shows what the last one does stands in its place: an unchanged scene is one reading.

@@ -17,14 +17,15 @@ namespace {
 using ColourVector = Eigen::VectorXd;
 using ColourMatrix = Eigen::MatrixXd;
 
-// The likelihood is looked at on a grid of ln(extinction) and exponent, then on a finer one where it is high.
+// The likelihood is computed on a grid of ln(extinction) and exponent, then on a finer one where it is high.
 constexpr double kClearestAerosol_per_m = 1e-6, kThickestAerosol_per_m = 0.3;
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;  // as may be given
 constexpr int kCoarseAmounts = 64, kCoarseExponents = 13, kFineAmounts = 31, kFineExponents = 13;
 constexpr double kFineRise = 18.0;      // of -2 ln likelihood: 4 sigma and a little
 constexpr double kBoundRise = 4.0;      // 2 sigma
 constexpr double kNodesExponent = 1.3;  // for which the nodes are made; others cost some 1e-3
-constexpr double kAtTheEnd = 0.3;       // of the exponent's range: nearer than this it is the range that speaks
+// Of the exponent's range: nearer to its end the range decides, not the readings.
+constexpr double kAtTheEnd = 0.3;
 constexpr double kUsualExponent = 1.3, kUsualExponentSigma = 0.5;
 const glm::dvec3 kGrey{0.21, 0.72, 0.07};
 
@@ -45,7 +46,7 @@ glm::dvec3 unsaturated(const glm::dvec3& contrast, double chroma) {
 
 }  // namespace
 
-// Readings that are asked, flattened.
+// The readings used, flattened.
 struct LandmarkColours::Asked {
   std::vector<std::size_t> landmarks;
   ColourVector contrast, sigma, mean, lit, floor, floor_sigma, scatter;

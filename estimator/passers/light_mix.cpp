@@ -103,8 +103,7 @@ void LightMix::learn(const std::vector<RememberedPicture>& pictures, const Tone&
       windows_.push_back(window_of(column, row, std::min(kWindow, columns), std::min(kWindow, rows), pictures));
 }
 
-// Coefficients of the window's components: robust, and held to the shares found `before` as far as nothing speaks
-// against them.
+// Coefficients of the window's components: robust, and regularised towards the shares found `before`.
 std::vector<float> LightMix::fit(const Window& window, const std::vector<float>& before) const {
   const int components = window.of_pictures + window.more;
   if (components == 0) return {};

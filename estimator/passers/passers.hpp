@@ -24,7 +24,7 @@ std::string_view reason_of(PassersState state);  // for people; empty while watc
 
 struct PassersLook {
   PassersState state = PassersState::learning;
-  double known_share = 0.0;    // of the part's cells, of which it is known what they look like
+  double known_share = 0.0;    // of the part's cells, whose expected light is known
   Duration until_watching{};   // at least, while learning
   double covered_share = 0.0;  // of the part's cells
   PassersInFront in_front;

@@ -238,7 +238,7 @@ HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_
   found.scatter = line.scatter;
   found.depth_range = line.range * line.along.g;
   found.depth = fit->depth.g;
-  // A component's error, relative: by chance, and by what near and far things are made of.
+  // A component's relative error: from noise, and from near and far things of different material.
   const double component = std::hypot(line.scatter / line.spread / std::sqrt(found.places / kNeighbours),
                                       std::max(options.material, line.scatter) / std::max(line.range, 1e-9)) /
                            std::min({line.along.r, line.along.g, line.along.b});
@@ -354,7 +354,7 @@ std::optional<PartContrast> part_contrast(const HazyPicture& picture, const Hazy
   sky = seen ? sky / static_cast<double>(beside) : glm::dvec3(1.0);
   const glm::dvec3 dark = darkest_of(pixels, kDarkest);
   PartContrast found;
-  // Land has many materials, of which only the dark ones are as a landmark is supposed to be.
+  // Land has many materials, of which only the dark ones fit the assumptions about landmarks.
   if (!seen) mean = dark;
   found.contrast = 1.0 - mean / sky;
   found.sigma = glm::dvec3(std::hypot(kFlare, kBeside * std::min(1.0, mean.g / sky.g)));

@@ -17,7 +17,7 @@ struct DetailFineness {
 };
 DetailFineness fineness_of(const Image<glm::vec3>& encoded);
 
-// For each picture the share of its parts in which the detail is less than two thirds as fine as in the middle one of all.
+// For each picture the share of its parts whose detail is less than two thirds as fine as the median of all pictures.
 // Pictures of one size and view; with fewer than five nothing is usual, and all are 0.
 std::vector<double> blurred_shares(std::span<const DetailFineness> pictures);
 

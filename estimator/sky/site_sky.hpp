@@ -35,8 +35,8 @@ struct SkyToFit {
   double altitude_m = 0.0;  // of the observer; used by the dome
   // The dome's aerosol, of which only the amount is unknown; empty: the dome's usual one, T 1.7 to 10.
   std::optional<Aerosol> aerosol = std::nullopt;
-  // All models are asked and weighed (estimator/sky_fit), with what `known` gives of the aerosol; `model` and `aerosol`
-  // then say which of them was followed.
+  // All models are fitted and weighted (estimator/sky_fit), with what `known` gives of the aerosol; `model` and
+  // `aerosol` then say which of them was followed.
   bool every_model = false;
   GivenAir known = {};
   std::shared_ptr<const HosekSky> hosek = nullptr;  // asked as well, or alone if not every_model; null: not asked

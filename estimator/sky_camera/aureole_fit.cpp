@@ -27,7 +27,7 @@ struct Spot {
   glm::vec3 direction;
   float light;  // ln, of the dimmest channel
   bool clipped;
-  float share;  // of how many elements it speaks
+  float share;  // weight: the elements that it stands for
 };
 
 struct Around {
@@ -214,7 +214,7 @@ class Fitting {
       const Row row = terms_at(around, moves);
       const auto value = static_cast<double>(spot.light);
       const double residual = moves ? value - row.head<kSkyTerms>().dot(factors_.head<kSkyTerms>()) : 0.0;
-      // Nothing is learnt from a clipped place where the fit already says more than can be seen.
+      // A clipped place is ignored where the fit is already above the clipping level.
       if (spot.clipped && (!moves || residual < 0.0)) continue;
       const double area = static_cast<double>(spot.share) / square(around.distance + element_);
       if (!spot.clipped) {

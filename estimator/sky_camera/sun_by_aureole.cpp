@@ -53,7 +53,7 @@ std::vector<SunDirection> likely_places(const CoarseSky& sky, const SkyPicture& 
 struct Looks {
   AureoleFit aureole;
   std::optional<SunCore> core;
-  Radians shift;  // of the aureole's centre if only its inner part is looked at
+  Radians shift;  // of the aureole's centre if only its inner part is fitted
   Radians apart;  // aureole's centre and core
 };
 
@@ -71,7 +71,7 @@ double variance_of(const SunCore& core, const AureoleFit& aureole) {
   return square(kSlopeOfSky * square(radius) / fall) + square(0.2 * (1.0 - core.roundness) * radius) +
          square(kLeastError);
 }
-// An isophote's middle moved back by what the sky's growth towards the horizon moves it.
+// An isophote's middle, corrected for its shift by a sky that brightens towards the horizon.
 SunDirection unmoved(const SunCore& core, const AureoleFit& aureole) {
   const SunDirection& at = core.direction;
   const double sine = std::hypot(at.x, at.y);

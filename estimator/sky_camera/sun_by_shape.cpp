@@ -10,7 +10,7 @@ namespace kasumi {
 
 namespace {
 
-// What a clear sky's growth towards the horizon does to a blob where it was not seen.
+// The usual shift of a blob by a clear sky's brightening towards the horizon, where it was not measured.
 Radians usually_lowered(const BrightBlob& blob) {
   // The sky's slope over the fall of the sun's surroundings; a middle stays within its blob.
   constexpr double kSlopeOverFall = 3.0, kMostOfRadius = 0.8;

@@ -18,7 +18,7 @@ constexpr int kElementsForShape = 6;  // of fewer the shape means nothing
 
 struct Window {
   int left, top, right, bottom;  // exclusive
-  int step;                      // large ones are looked at more coarsely
+  int step;                      // large ones are sampled more coarsely
 };
 
 // The elements within reach of a direction, or a box around them.

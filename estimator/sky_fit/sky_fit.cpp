@@ -320,7 +320,7 @@ SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, co
     candidates.push_back(std::move(blend));
   }
   compare(candidates);
-  // Once more by what the likeliest model leaves.
+  // Once more with the likeliest model's residuals.
   for (int turn = 0; turn < 2; ++turn) {
     const Candidate& best = candidates.front();
     if (turn == 0) {

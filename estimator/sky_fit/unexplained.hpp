@@ -38,7 +38,7 @@ class Unexplained {
   // from now on.
   void learn(const PartsOfLight& residuals);
 
-  // So many independent values have the smooth errors of one part.
+  // The number of independent values in the smooth errors of one part.
   double independent() const;
 
   // L^-1 of the covariance L L^T by which patches are weighed. It takes errors for rougher than they are: a fit that

@@ -17,7 +17,7 @@ struct UnknownCameraFit {
 };
 
 // `readings`: of clear sky alone, with the light that the supposed response gives; some hundred. `sky`: the site's
-// altitude, which models are asked and what is given of the air.
+// altitude, the models to fit, and what is given of the air.
 UnknownCameraFit fit_unknown_camera(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
                                     const CameraBelief& belief = {});
 

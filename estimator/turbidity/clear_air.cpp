@@ -109,7 +109,7 @@ ClearAir mask_all_but_clear_air(SkyLight& sky, const ElementLooks& looks, const 
   const float rough = looks.rough(limits.texture_scatter, limits.least_texture);
   const ClearForm form(sun);
   // From what looks clear alone, and from all that is not rough: the sky on which more places agree more closely.
-  constexpr float kBegun = 0.2f;      // the window where only what looks clear is asked
+  constexpr float kBegun = 0.2f;      // the window of the first fit, to elements that look clear
   constexpr double kNearlyAll = 2.5;  // agreement that no other beginning betters
   std::optional<ClearSkyByForm> by_form;
   double best = -std::numeric_limits<double>::infinity();

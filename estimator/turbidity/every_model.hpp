@@ -16,7 +16,7 @@ SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, co
 // The family that an answer follows: Preetham's, to which T alone belongs, or the dome of the aerosol found.
 SkyToFit followed(const SkyFit& fit, SkyToFit sky);
 
-// The directions nearest to the sun that are asked.
+// Directions nearer to the sun are not used.
 constexpr Radians kNearestToSun = from_degrees(4.0);
 
 }  // namespace kasumi

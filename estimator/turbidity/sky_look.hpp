@@ -1,4 +1,4 @@
-// How a sky looks before any model of the clear sky is asked: whether it has colour, whether it is as smooth as clear
+// How a sky looks, before any model of the clear sky is fitted: whether it has colour, whether it is as smooth as clear
 // air is around its sun, and how much of it is whiter than its bluest part.
 #pragma once
 

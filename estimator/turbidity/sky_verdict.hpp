@@ -46,7 +46,7 @@ RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolu
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
                                      const RivalSkies& rivals, const EstimateOptions& options);
 
-// Before any model is asked: a lens that is covered, or a sky without colour. `brightest`: from SkyStatistics.
+// Refusals before any fit: a lens that is covered, or a sky without colour. `brightest`: from SkyStatistics.
 std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest);
 
 // All that a verdict goes by where every model of the sky was asked.

@@ -1,4 +1,4 @@
-// What a camera of which nothing was measured shows of the air: an answer wherever its sigma says something.
+// The air by an unmeasured camera: an answer wherever its sigma is small enough to be useful.
 #include <algorithm>
 #include <cmath>
 
