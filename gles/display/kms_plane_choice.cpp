@@ -20,7 +20,7 @@ std::string against_camera(const KmsPlane& plane, std::uint32_t format, std::opt
   return {};
 }
 
-// Where the driver does not speak of blending, the kernel's rule is that alpha is premultiplied.
+// Where the driver has no blend property, the kernel's rule is that alpha is premultiplied.
 std::string against_building(const KmsPlane& plane) {
   if (!has(plane, kBuildingFormat))
     return fmt::format("plane {} does not show {}", plane.id, drm_format_text(kBuildingFormat));

@@ -11,8 +11,8 @@ namespace {
 constexpr GLenum kSrgb8Alpha8 = 0x8C43;                                    // GLES 3 and EXT_sRGB
 constexpr GLenum kMaxAnisotropy = 0x84FF, kTextureMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
 constexpr std::size_t kSliceBytes = std::size_t{4} << 20;                  // some milliseconds on the slowest machines
-// A processor that draws takes the memory for a texture and its smaller levels in one go: more than a tenth of a second
-// for 4096 x 4096 texels, in which the picture stands still. So many would hardly be seen on a screen that it can fill.
+// Software GL allocates a texture and its smaller levels at once: more than a tenth of a second for 4096 x 4096 texels,
+// in which the picture stands still. On the screens that it can fill so many texels would hardly be visible.
 constexpr int kLargestInSoftware = 2048;
 
 GLint wrap_mode(TextureWrap wrap) {

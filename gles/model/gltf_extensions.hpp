@@ -1,4 +1,4 @@
-// The glTF extensions, by what Kasumi makes of them. For this room's glTF sources only.
+// The glTF extensions, and how Kasumi treats each. For this room's glTF sources only.
 #pragma once
 
 #include <string_view>

@@ -1,5 +1,5 @@
-// Where the picture shows what is behind and what is in front of a mixed pixel: the nearest pixels of which the mask is
-// sure, in eight directions from each node of a coarse grid.
+// Background and foreground of a mixed pixel, by the picture: the nearest pixels where the mask is certain, in eight
+// directions from each node of a coarse grid.
 #pragma once
 
 #include <array>

@@ -37,8 +37,7 @@ int pixels_of(int samples) {
 
 }  // namespace
 
-// A tile, and the box of its pixels that the model can reach. The others stay empty, and nothing is spent on their
-// samples.
+// A tile, and the box of its pixels that the model can reach. The others stay empty and cost no samples.
 struct ReachedTile {
   LayerTile tile;
   PixelBox reached;

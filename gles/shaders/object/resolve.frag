@@ -19,7 +19,7 @@ uniform sampler2D foreground;
 varying vec2 v_picture;
 #endif
 
-// Of the pixel so many pixels away.
+// Of the pixel at that offset.
 #if defined(MEANS)
 vec4 mean_at(vec2 to) { return texture2D(means, v_mean + to * mean_step); }
 #else
