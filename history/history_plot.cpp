@@ -104,7 +104,7 @@ struct Figure {
   std::optional<double> value, sigma;
 };
 
-// About so many even steps.
+// About `about` even steps.
 double step_of(double range, int about) {
   const double raw = range / about, power = std::pow(10.0, std::floor(std::log10(raw)));
   for (const double each : {1.0, 2.0, 5.0})
