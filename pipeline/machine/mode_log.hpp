@@ -1,5 +1,5 @@
-// Logs what the driver made of the request, when it is another than last time: a camera that streams nothing is opened
-// some 4,500 times a day.
+// Logs the mode that the driver chose, when it differs from the last time: a camera that streams nothing is opened some
+// 4,500 times a day.
 #pragma once
 
 #include <memory>

@@ -54,7 +54,7 @@ class SystemdNotifier final : public Notifier {
     std::string text;
   };
 
-  // What the manager does not take now goes before the next message; the newest of each key is enough.
+  // A message that the manager does not take now is sent before the next one; of each key the newest is enough.
   void send(const char* key, const std::string& value) {
     if (!socket_) return;
     const MutexLock lock(mutex_);

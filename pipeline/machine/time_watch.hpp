@@ -33,7 +33,7 @@ struct BootTime {
 BootTime this_boot_time();
 
 // Passes on what `watch` reads, and keeps in `file`, below /run, that the clock was synchronized in this boot and not
-// set since: a restart of the service must not take the building away because the time server is gone by then.
+// set since: a restart of the service must not hide the building because the time server is unreachable by then.
 // `file` empty: nothing is kept.
 std::unique_ptr<TimeWatch> remember_trust(std::unique_ptr<TimeWatch> watch, std::filesystem::path file,
                                           BootTime boot = this_boot_time());

@@ -117,8 +117,8 @@ Result<ContentPtr> content_that_can_be_drawn(const ContentPlace& place, StartLog
   return fail(drawn.error());
 }
 
-// Until it is ended on purpose: content that cannot be read or drawn is replaced by what worked before, and where there is
-// none by the still picture and words, until there is some again.
+// Runs until it is ended on purpose: content that cannot be read or drawn is replaced by earlier content that worked,
+// else by the still picture and words, until there is content again.
 Result<int> show(const RunArguments& arguments, const ContentPlace& place, const std::shared_ptr<StartLog>& log,
                  const std::filesystem::path& kept_folder) {
   auto& starts = *log;

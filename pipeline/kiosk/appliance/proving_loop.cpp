@@ -67,8 +67,8 @@ Instant ProvingLoop::step() {
     if (alive_.lasted >= kProof && !std::exchange(well_, true)) starts->well();
   }
   if (probation_.in_use()) {
-    // While it is closed nothing is shown, and the camera's pictures have to do: what comes in the evening is judged by
-    // the morning.
+    // While the kiosk is closed nothing is shown, and the camera's pictures must do, so that content that arrives in
+    // the evening is judged by the morning.
     probation_.step(passed, scene || (mailboxes_.proving.closed && camera), ask_doctor(passed), clock_.utc());
     mailboxes_.status->probation.put(probation_.status());
   }

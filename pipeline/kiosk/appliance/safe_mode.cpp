@@ -198,7 +198,7 @@ sigset_t block_signals() {
   return signals;
 }
 
-// Steps it, answers snapshots, and hears the signals. `go_on` is asked after each step, with the signal that came (-1:
+// Steps it, answers snapshots, and hears the signals. `go_on` is called after each step, with the received signal (-1:
 // none).
 void run_until(SafeMode& mode, SystemClock& clock, const std::function<bool(int signal)>& go_on) {
   const auto signals = block_signals();

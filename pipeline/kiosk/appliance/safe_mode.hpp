@@ -40,7 +40,7 @@ class SafeMode {
   // Its time is up: everything is to be tried again.
   bool is_over() const { return clock_.now() - began_ >= lasts_; }
   const Status& status() const { return status_; }
-  // What came of a look for content that began then; none: there is some.
+  // The result of a search for content that began then; no problems: content was found.
   void tried(Instant began, std::vector<std::string> problems);
   Display* display() { return open_ ? open_->display.get() : nullptr; }
   SnapshotServer& snapshot() { return server_; }

@@ -43,7 +43,7 @@ bool Screen::open() {
   auto display = devices_.open_display(content_->config.display);
   auto stage = display ? Stage::create((*display)->context(), content_, std::exchange(air_, std::nullopt))
                        : fail(display.error());
-  // What a driver lacks for a moment, memory, is asked for again first.
+  // A driver may lack memory for a moment, so it is asked again first.
   const bool refused = display && !stage && (*display)->context().check_alive();
   refusals_ = refused ? refusals_ + 1 : 0;
   if (refused && (stage.error().kind == FaultKind::bad_input || refusals_ >= kRefusalsForGood)) {

@@ -31,7 +31,7 @@ class SnapshotDesk {
   void told(Instant now);
   // Reads what was drawn to `target`. Errors: device.
   Result<> take(Snapshot about, const DrawTarget& target, Instant now);
-  // Where nothing is on the glass.
+  // The answer where nothing is on the screen.
   void give_none(Snapshot about);
   // What the configuration says about pictures for the state page.
   void allow_pages(bool allowed);

@@ -12,8 +12,8 @@
 
 namespace kasumi {
 
-// One caller at a time, `kasumi snapshot` before the reporter. A caller that is slow, silent or sends nonsense is hung up
-// on; of what the reporter sends nothing is read. It gets at most one picture a minute.
+// One caller at a time, `kasumi snapshot` before the reporter. A caller that is slow, silent or sends nonsense is
+// disconnected; nothing is read from the reporter. It gets at most one picture a minute.
 class SnapshotServer {
  public:
   // `folder`: where the socket is made. Without it, or where it cannot be made, which is logged, there are no answers.

@@ -14,7 +14,7 @@ namespace kasumi {
 struct Arrival {
   Utc utc{};
   std::string from;    // the folders
-  std::string words;   // what came of it
+  std::string words;   // the result
   bool taken = false;  // it is what is shown next
 };
 

@@ -1,5 +1,5 @@
 // A bundle: a tar of a manifest, its signature, and the files that the manifest names; nothing else is allowed in it.
-// It comes from outside: looking into it writes nothing, and nothing is unpacked that looking has not found whole.
+// It is untrusted: checking it writes nothing, and only a bundle that passed the check is unpacked.
 #pragma once
 
 #include <filesystem>

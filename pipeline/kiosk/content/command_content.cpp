@@ -121,7 +121,7 @@ InstallRules rules_of(const ContentArguments& arguments) {
           .kiosk = arguments.kiosk.empty() ? host_name() : arguments.kiosk};
 }
 
-// What came of it, in a line.
+// The result in a line.
 std::string words_of(const Trusted& trusted, const Installed& installed) {
   const auto& generation = installed.generation;
   return fmt::format("{} ({}), made {}, {}: {}", generation.manifest.name, generation.id,

@@ -10,8 +10,8 @@
 
 namespace kasumi {
 
-// The latest date that a bundle may bear: a day from now where the clock is trusted; a year where it is not, but is not
-// before this program either; empty: by such a clock nothing is known.
+// The latest date that a bundle may bear: a day from now where the clock is trusted; a year where it is not trusted,
+// but not before this program was built either; empty: the clock is of no use.
 std::optional<Utc> latest_believable(Utc now, bool clock_trusted);
 
 // Empty: none was installed yet, or its date is beyond `latest`, which only a wrong clock can have accepted.

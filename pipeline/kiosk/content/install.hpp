@@ -42,9 +42,9 @@ struct Installed {
   std::string left_alone;  // why nothing was changed; empty: it is shown next
 };
 // Unpacks it beside the others, reads the whole content as a start would, and only then replaces the link. A power cut
-// leaves the old content or the new. Errors: bad_input (all problems of the content, it went back before, is for other
-// kiosks, or of a date that has not come yet), io (also
-// where its files would leave less of the disk free: nothing is written then).
+// leaves the old content or the new. Errors: bad_input (all problems of the content, it was rolled back before, is for
+// other kiosks, or bears a future date), io (also where its files would leave less of the disk free: nothing is written
+// then).
 Result<Installed> install(const Trusted& trusted, const Generations& generations, const InstallRules& rules, Utc now,
                           const FreeBytes& free_bytes = free_bytes_of);
 

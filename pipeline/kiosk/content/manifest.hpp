@@ -14,7 +14,7 @@ namespace kasumi {
 inline constexpr const char* kManifestName = "manifest.json";
 inline constexpr const char* kSignatureName = "manifest.json.minisig";
 
-// Content comes from outside: nothing is unpacked that is beyond these.
+// Content is untrusted: nothing beyond these limits is unpacked.
 inline constexpr std::size_t kMostFiles = 1000;
 inline constexpr std::size_t kMostNameBytes = 200;
 inline constexpr std::size_t kMostKiosks = 100;

@@ -35,7 +35,7 @@ std::vector<std::string_view> text_lines(std::string_view text) {
   return lines;
 }
 
-// Exactly so many bytes; empty: something else.
+// Exactly `size` bytes; empty: anything else.
 std::optional<Bytes> from_base64(std::string_view text, std::size_t size) {
   Bytes bytes(size);
   std::size_t length = 0;

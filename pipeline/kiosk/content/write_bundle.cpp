@@ -36,7 +36,7 @@ Result<> add_packed(archive* writer, const std::filesystem::path& folder, const 
 
 }  // namespace
 
-// GNU's tar: names are bytes, whatever language the machine speaks.
+// GNU's tar: names are bytes, independent of the locale.
 Result<> write_bundle(const std::filesystem::path& path, const std::filesystem::path& folder, const Manifest& manifest,
                       std::string_view signature) {
   return replace_file(path, [&](const std::filesystem::path& unfinished) -> Result<> {

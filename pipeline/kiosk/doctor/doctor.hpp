@@ -55,7 +55,7 @@ struct DoctorRequest {
   std::filesystem::path config;              // set up by hand
   Duration watch = std::chrono::seconds(3);  // how long frames and flips are counted
   MachinePlaces places = this_machine();
-  Generations generations{{}};  // the current one goes before `config`
+  Generations generations{{}};  // the current one takes precedence over `config`
 };
 
 // BLOCKS for some seconds. While the appliance runs, its cameras and display are not opened; its status file is read

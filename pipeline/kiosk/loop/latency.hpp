@@ -15,7 +15,7 @@ struct LatencySummary {
   double p95_ms = 0.0;
   double max_ms = 0.0;
   std::uint64_t pictures = 0;  // measured
-  std::uint64_t negative = 0;  // further ones, whose camera stamp lies after their flip: nothing is known of them
+  std::uint64_t negative = 0;  // further ones, whose camera stamp lies after their flip: unusable
 };
 
 // A histogram whose bins each are 1 % wider than the one before, from .1 ms to hours: constant memory over months and

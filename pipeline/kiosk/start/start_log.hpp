@@ -23,9 +23,9 @@ ServiceFolders service_folders();
 
 class StartLog {
  public:
-  // Reads starts.json and notes this start. A record that cannot be read, or not soon, begins anew, one that cannot be
-  // written is logged once: neither may keep anything from being shown. Without a folder nothing is counted. What
-  // systemd/wait-before-start has noted for starts that do not come as far as this is forgotten.
+  // Reads starts.json and notes this start. A record that cannot be read in time begins anew, one that cannot be
+  // written is logged once: neither may delay the picture. Without a folder nothing is counted. Notes of
+  // systemd/wait-before-start about starts that failed earlier than this are cleared.
   // Nothing is written to the disk before the first picture, or five seconds; but where the start before this one showed
   // nothing, BLOCKS until this one is counted, for two seconds at most.
   StartLog(const ServiceFolders& folders, const std::string& boot, double since_boot_s);
@@ -41,7 +41,7 @@ class StartLog {
   // Its opening hangs. BLOCKS until that is on the disk, which is before the watchdog ends the program; for ten seconds
   // at most.
   void opening_hangs(const std::string& camera);
-  void opened(const std::string& camera);  // pictures come of it
+  void opened(const std::string& camera);  // it delivers pictures
 
   // Notes something else of this start on the disk, by the same rule. By hand (without a folder) at once.
   void note_too(const std::string& name, std::function<void()> job);

@@ -1,7 +1,7 @@
-// What the starts of the service came to, counted over boots, and how the next one is to be. Pure: no clock, no disk.
+// The results of the service's starts, counted over boots, and the mode of the next one. Pure: no clock, no disk.
 // systemd restarts a service that ends, and after kStartsBeforeReboot starts within kStartWindow_s reboots the machine
-// (systemd/kasumi.service). When three boots have come to nothing another one will not help either: safe mode then
-// shows the still picture, and from time to time everything is tried again.
+// (systemd/kasumi.service). After three failed boots another one will not help either: safe mode then shows the still
+// picture, and a whole start is tried from time to time.
 #pragma once
 
 #include <map>
@@ -22,7 +22,7 @@ enum class StartMode {
 };
 
 struct StartRecord {
-  std::string boot;              // the kernel's id of the boot that it speaks of
+  std::string boot;              // the kernel's id of the boot of this record
   std::vector<double> starts_s;  // after that boot: of its last starts, since it last came well
   std::string doing;             // what the last start did when it was last heard of
   bool shown = false;            // since the last start the display took pictures, or was known to be absent

@@ -1,4 +1,4 @@
-// What the building's surroundings cost: leaves that sway before it, and the real ground that is looked at.
+// The cost of the building's surroundings: leaves that sway before it, and the shadow on the real ground.
 #include <algorithm>
 #include <cmath>
 

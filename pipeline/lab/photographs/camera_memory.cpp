@@ -109,7 +109,7 @@ auto* find_camera(Cameras& cameras, int width, int height, const ImageCircle& ci
   return camera == cameras.end() ? nullptr : &*camera;
 }
 
-// A camera known before speaks for its circle as two pictures do, or as the one that it is known by.
+// A remembered camera votes for its circle as two pictures do, or as one if it is known by a single one.
 void add_known(std::vector<PictureCircle>& pictures, const RememberedCamera& camera) {
   for (int i = 0; i < std::min(camera.pictures, kEnough); ++i)
     pictures.push_back({camera.width, camera.height, camera.circle});

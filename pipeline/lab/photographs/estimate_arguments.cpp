@@ -44,7 +44,7 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
         "and --lon (or a --calibration with [site])");
 }
 
-// What is known all the same of a camera of which nothing was measured.
+// What is given of an unmeasured camera.
 void read_unknowns(const EstimateArguments& arguments, SkyPhotographOptions& options, Problems& problems) {
   constexpr double kMostLost = 0.95;
   constexpr double kSigmaOfAltitude_m = 500.0;

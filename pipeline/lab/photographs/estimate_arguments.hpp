@@ -1,4 +1,4 @@
-// What `kasumi estimate` is asked for.
+// The arguments of `kasumi estimate`.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct EstimateArguments {
   std::vector<std::string> scans;   // a sky scanner's tables, instead of pictures
   std::string landmarks;
   std::string measured;            // visibilities beside --scene
-  std::vector<std::string> hazes;  // photographs of land, of whose haze is asked
+  std::vector<std::string> hazes;  // photographs of land whose haze is estimated
   std::vector<int> part;           // of them: left, top, width, height
   std::optional<double> distance_m;
   std::string calibration;
@@ -30,7 +30,7 @@ struct EstimateArguments {
   std::optional<double> fov_deg;
   std::vector<double> circle;
   std::optional<double> azimuth_up_deg;
-  std::string response;  // empty: auto where every model of the sky is asked, else srgb
+  std::string response;  // empty: auto where every model of the sky is fitted, else srgb
   std::optional<double> tone_exponent;
   std::string vignetting = "fit";  // or the share of light that is lost at the rim
   std::string camera_memory;

@@ -32,7 +32,7 @@ bool is_sky_picture(const std::filesystem::path& path) {
   return is_picture_file(path) && !name.starts_with(".") && !name.ends_with(".fit.png");
 }
 
-// Whether standard input has more, or ends, within a moment; std::cin reads ahead, so that its buffer is asked first.
+// Whether standard input has more, or ends, within a moment; std::cin reads ahead, so its buffer is checked first.
 bool line_is_there() {
   constexpr int kMoment_ms = 50;
   if (std::cin.rdbuf()->in_avail() > 0) return true;

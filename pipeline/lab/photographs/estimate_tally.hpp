@@ -1,4 +1,4 @@
-// What became of all that `kasumi estimate` was given, and the exit code that says so.
+// The results of all inputs of `kasumi estimate`, and its exit code.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ class EstimateTally {
   void useless(const std::string& why) { ++useless_[why]; }
   void unread() { ++unread_; }
 
-  // 0: something is known of the air; 1: nothing is, from whatever could be read; 2: something could not be read.
+  // 0: some input determined the air; 1: all could be read, but none did; 2: an input could not be read.
   int exit_code() const { return unread_ > 0 ? 2 : useful_ > 0 ? 0 : 1; }
-  // Why nothing is known; empty: something is. `what`: "picture". "none of 3 pictures tells the air: 2 x overcast; 1
-  // x night".
+  // Why the air is unknown; empty: it is known. `what`: "picture". "none of 3 pictures determines the air: 2 x
+  // overcast; 1 x night".
   std::string told(std::string_view what) const;
 
  private:

@@ -3,7 +3,7 @@
 namespace kasumi {
 
 Result<ToneCurve> tone_curve_of(std::span<const PhotographOfSky> taken, SkyPhotographOptions options) {
-  // Under every model of the sky, whichever is asked for the air.
+  // Under every model of the sky, whichever is chosen for the air.
   options.estimate.sky.every_model = true;
   const double altitude_m = options.site ? options.site->altitude_m : options.estimate.sky.altitude_m;
   SkyPhotographs photographs(std::move(options));

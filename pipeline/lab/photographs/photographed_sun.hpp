@@ -1,4 +1,4 @@
-// Where the sun is in a photograph of the sky: by what is given, by what is seen, and how both go together.
+// The sun's place in a photograph of the sky: as given, as found in the picture, and whether both agree.
 #pragma once
 
 #include <optional>
@@ -37,7 +37,7 @@ struct PhotographedSun {
   Orientation orientation = Orientation::given;
   Radians azimuth_up{};          // that is followed
   std::string told;              // how the sun is known
-  std::string orientation_told;  // empty: it was given, and nothing is wrong with it
+  std::string orientation_told;  // empty: it was given, and is right
   std::string doubt;             // why an estimate may fail for the sun's sake; empty: for no such reason
 };
 

@@ -1,4 +1,4 @@
-// What `kasumi prove` is asked.
+// The arguments of `kasumi prove`.
 #pragma once
 
 #include <optional>

@@ -20,7 +20,7 @@ struct ProofView {
   std::filesystem::path file;
   std::optional<Utc> utc;
   std::string label;                      // of a list, empty: none
-  std::string unusable;                   // why nothing can be said of it, before its air is asked: night, another size
+  std::string unusable;                   // why it is excluded before its air is estimated: night, another size
   bool placed = false;                    // its lines were found; false: taken to stand as its neighbour does
   double moved_px = 0.0;                  // of the part, in that picture
   double blurred_share = 0.0;             // of the picture, by drops on the lens

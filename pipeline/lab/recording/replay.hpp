@@ -20,7 +20,7 @@ struct ReplayRequest {
   bool realtime = false;  // at the recorded pace; the sky then runs in a thread of its own, as in the appliance
   std::optional<std::size_t> frames;  // stop after so many pictures
   SceneAirOptions air;
-  GivenAir given = {};   // goes before what the fixture's [site] says of the air
+  GivenAir given = {};   // takes precedence over the air in the fixture's [site]
   bool terms = false;    // next to each picture of a folder its airlight and its direct transmission
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
 };

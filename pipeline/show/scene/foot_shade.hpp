@@ -1,7 +1,7 @@
 // The sky's light that the object hides from the ground around its foot: of the radiance of each part of the sky,
 // weighted with the cosine of the angle to the ground's normal, what reaches the ground (physics 6). The sky's
-// hemisphere is looked at from a set of directions; for each, the object is drawn into a map of how far it reaches
-// towards the sky. Light that the object itself throws on the ground is left out.
+// hemisphere is sampled in a set of directions; for each, the object is drawn into a height map towards it. Light that
+// the object itself throws on the ground is left out.
 #pragma once
 
 #include <bitset>
@@ -42,8 +42,8 @@ class FootShadeWork {
  public:
   static constexpr std::size_t kMostTriangles = 1'000'000;  // of the object; beyond, there is no work
 
-  // `model` is used only here. Masked materials count as closed, see-through ones as open. Nothing is to be done where
-  // the model has no ground or too many triangles.
+  // `model` is used only here. Masked materials count as closed, see-through ones as open. There is no work where the
+  // model has no ground or too many triangles.
   FootShadeWork(const Model& model, const glm::dmat4& model_to_world);
 
   // From some directions of the sky; true: it is whole.

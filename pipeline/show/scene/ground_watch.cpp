@@ -150,7 +150,7 @@ LearntGround GroundWatch::learnt() const {
 Result<> GroundWatch::resume(const LearntGround& learnt, double since_s) {
   if (memory_) return fail(FaultKind::bad_input, "it looks at the ground already");
   if (learnt.ground != ground_) return fail(FaultKind::bad_input, "of another ground or view");
-  // Whether it is whole shows a memory of so many places, whatever it supposes.
+  // Checks its size with a memory of as many places; the reflectance does not matter.
   GroundMemory trial(std::vector<float>(places_.size(), 0.1f));
   if (!trial.resume(learnt.shares, since_s)) return fail(FaultKind::bad_input, "damaged");
   resumed_ = Resumed{learnt.shares, since_s};

@@ -27,7 +27,7 @@ namespace kasumi {
 struct GroundLook {
   std::shared_ptr<const GroundSunlight> sunlight;  // null: not seen yet
   std::shared_ptr<const SkyOverGround> sky;        // null: none, or not computed yet
-  std::optional<double> known;  // share of the ground of which is known whether the sun reaches it; empty: not seen yet
+  std::optional<double> known;  // share of the ground whose sunlight is known; empty: not observed yet
 };
 // Adds it to a layer's appearance. BLOCKS for some milliseconds.
 void light_ground(ObjectAppearance& appearance, const GroundLook& ground);

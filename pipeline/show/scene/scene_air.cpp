@@ -67,7 +67,7 @@ class AirBeforeObject {
   double altitude_m_, distance_m_;
 };
 
-// By so much that nothing is left of it; zero would leave the renderer without a scale.
+// Nearly to zero; zero itself would leave the renderer without a scale.
 void darken(ObjectLight& light) {
   constexpr double kBlack = 1e-6;  // nearly no light, and no division by zero
   light.sun_irradiance *= kBlack;
@@ -265,7 +265,7 @@ void SceneAir::adopt(HorizonLight seen, const FrameMetadata& metadata) {
 }
 
 std::function<glm::dvec3(const Direction&)> SceneAir::air_before_object(const SceneConditions& conditions) const {
-  // Under a closed sky the light comes from all sides; fog is lit by what is near.
+  // Under a closed sky, and in fog, the light comes from all sides.
   const bool even = conditions.sky == SkyCondition::overcast || fog_.extinction_per_m > 0.0;
   const SiteSky sky(sky_model_, conditions.air, conditions.sun, altitude_m_);
   if (even || sky.dome_share() <= 0.0) return [](const Direction&) { return glm::dvec3{1.0}; };

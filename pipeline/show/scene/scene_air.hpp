@@ -33,8 +33,8 @@ struct SceneAirOptions {
 // What the cards in view say.
 struct CardsLook {
   LightFactors factors;            // on the model's light, as it is drawn
-  std::size_t in_view = 0;         // so many there are
-  std::size_t read = 0;            // so many could be read in the last picture that was looked at
+  std::size_t in_view = 0;         // cards in view
+  std::size_t read = 0;            // cards that could be read in the last picture examined
   std::optional<Instant> read_at;  // when one was last; of the pictures' clock
 };
 

@@ -27,7 +27,7 @@ struct Surroundings {
   double ground_albedo = 0.2;    // of sunlight, mean over the visible: grass .2, sand .35, fresh snow .8
   double cloud_base_m = 2000.0;  // above the site: a cloud there may shade the object
   FogLayer fog;
-  // Model of the clear sky; automatic: all are asked and weighed, and the air found decides which is followed.
+  // Model of the clear sky; automatic: all are fitted and weighted, and the estimated air decides which is drawn.
   SiteSkyModel sky_model = SiteSkyModel::automatic;
   GivenAir air;  // what is known of it; the rest is found
   // H's lambda: blur of what lies behind haze of optical depth 1, standard deviation in pixels; 0: none.
@@ -50,7 +50,7 @@ struct Installation {
   std::vector<LightCard> cards{};
   std::optional<AdoptedCalibration> calibration;  // the calibration file it builds on
 
-  // How the air is found in the sky camera's picture: by every model, or by the one that is asked for, which is never
+  // How the air is estimated from the sky camera's picture: by every model, or by the chosen one, which is never
   // automatic.
   SkyToFit sky_to_fit() const;
 };

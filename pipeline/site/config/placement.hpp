@@ -17,9 +17,10 @@ struct ObjectPlacement {
   std::filesystem::path model;
   std::string scene;  // of the model's scenes (eras), by name or number; empty: its default
   Placement placement;
-  bool shadows = true;        // of the sun, on itself and on the model's own ground
-  bool ground_light = false;  // the model's ground is looked at: where it lies in the shade already, what sky it loses
-  Skyline skyline;            // behind which the sun goes down for the object
+  bool shadows = true;  // of the sun, on itself and on the model's own ground
+  // The shadow on the real ground is drawn: where it lies in the shade already, and the sky light that it loses.
+  bool ground_light = false;
+  Skyline skyline;  // behind which the sun goes down for the object
 };
 
 // East, north, up (metres) of a place as seen from the site, in the site's tangent plane on the WGS 84 ellipsoid:

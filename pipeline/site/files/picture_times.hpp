@@ -1,4 +1,4 @@
-// When a picture was taken, by its name or by what its camera wrote into it.
+// When a picture was taken, by its name or its EXIF data.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace kasumi {
 struct PictureTimes {
   // As strptime reads it, somewhere in the file's name: "%Y%m%d_%H%M%S". Empty: what names usually have, and else EXIF.
   std::string format;
-  double utc_offset_h = 0.0;  // of those times: 9 in Japan; EXIF's own offset goes before it
+  double utc_offset_h = 0.0;  // of those times: 9 in Japan; EXIF's own offset takes precedence
 };
 
 // Empty: neither the name nor the file has a time.
