@@ -13,7 +13,7 @@ namespace kasumi::report {
 namespace {
 
 constexpr std::size_t kLongestSecret = 1000, kMostAddresses = 16;  // far above any real one: bounds what is read
-constexpr std::size_t kMostTokens = 8;                             // each costs a hash when a guess is looked at
+constexpr std::size_t kMostTokens = 8;                             // each costs a hash for every guess
 
 bool is_loopback(const std::string& address) {
   in_addr four{};

@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 constexpr Duration kLook = 1s;       // as often as the status is written
 constexpr Duration kTurn = 250ms;    // bounds how late a request is answered while nothing else comes
 constexpr Duration kHistory = 20s;   // a line is added each minute
-constexpr Duration kTextfile = 15s;  // node_exporter is asked about as often
+constexpr Duration kTextfile = 15s;  // node_exporter is scraped about as often
 
 std::chrono::minutes ahead_of_utc() {
   const auto now = std::time(nullptr);

@@ -28,7 +28,7 @@ class Reporter {
   // Where a port 0 ended up; 0: no port is open.
   int port() const { return server_ ? server_->port() : 0; }
   std::string line() const;  // for `systemctl status`
-  // Tries every channel, beside all else, and logs what came of each. One trial at a time.
+  // Tries every channel in the background and logs each result. One trial at a time.
   void begin_trial();
 
  private:

@@ -20,7 +20,7 @@ namespace kasumi::report {
 
 class ArrivingBundle {
  public:
-  // So many bytes come anew after a power cut, at most.
+  // At most so many bytes are fetched again after a power cut.
   static constexpr std::uint64_t kSync = std::uint64_t{8} << 20;
 
   // Of this address; what was kept of another one is forgotten. `left_free`: bytes of the disk that are not for it.
