@@ -25,7 +25,7 @@ struct Depths {
 // The papers: Rayleigh goes with lambda^-4 and Mie with lambda^-2. Wavelengths in units of 550 nm.
 struct PapersLaw {
   using Ratios = double;                                       // lambda^-2
-  static constexpr double kClearest = kLowestTurbidity.value;  // as far as M's Mie coefficient is defined
+  static constexpr double kClearest = kLowestTurbidity.value;  // the clearest air of the papers
   static double rayleigh_per_m() { return kasumi::rayleigh_per_m(ScatteringModel::morales2017, kUnit_nm); }
   static double mie_per_m(double turbidity) {
     return kasumi::mie_per_m(ScatteringModel::morales2017, kUnit_nm, Turbidity{turbidity});

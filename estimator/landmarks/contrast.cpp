@@ -200,8 +200,8 @@ void refuse_dark_skies(const std::vector<ContrastLandmark>& landmarks, std::vect
 }
 
 double infinity_sigma(const ContrastLandmark& landmark, int picture_width) {
-  // sigma of f, the contrast that is left when all light is gone: right beside, .4 more a picture's width away (physics
-  // 11)
+  // Sigma of f, the contrast left when none of the surface's light is: right beside, at the horizon, and per picture's
+  // width (physics 11).
   constexpr double kBeside = 0.01, kAtHorizon = 0.03, kAcross = 0.4;
   if (landmark.against || picture_width <= 0) return kBeside;
   if (!landmark.sky) return kAtHorizon;

@@ -12,8 +12,7 @@
 namespace kasumi {
 namespace {
 
-// The model's factors on sun and surroundings: .14 each (2 % of variance), half of it shared; a card's own reading: 7
-// %.
+// The model's factors on sun and surroundings: variance .02 each, half of it shared; sigma of a reading: .07.
 constexpr double kModelVariance = 0.02, kModelTogether = 0.01, kCardSigma = 0.07;
 
 }  // namespace

@@ -16,7 +16,8 @@
 namespace kasumi {
 namespace {
 
-constexpr double kLandTop_m = 3600.0;  // land that a sky scene draws is no higher
+// Altitude of the upper of two domes, between which the air before land is interpolated: above all land drawn.
+constexpr double kLandTop_m = 3600.0;
 
 // Hoffman and Preetham's own wavelengths of red, green and blue, and the sun's illuminance outside the air.
 constexpr glm::dvec3 kOlderWavelengths_nm{650.0, 570.0, 475.0};

@@ -18,7 +18,7 @@ namespace {
 constexpr int kShape = 3;                                  // v2, v4, v6
 constexpr int kMaskRounds = 4;                             // cloud masks with successively better vignetting
 constexpr double kOutlier = 4.0;                           // robust standard deviations
-constexpr Radians kCorrelationAngle = from_degrees(20.0);  // as wide as a sky model's errors are alike
+constexpr Radians kCorrelationAngle = from_degrees(20.0);  // over which a sky model's errors are correlated
 constexpr std::size_t kFewestSamples = 200;                // of a picture
 constexpr double kSkyModelError = 0.03;                    // clear skies of any aerosol leave 1 to 3 % (clear_form.hpp)
 constexpr double kAbsorbed = 1.3;  // the fit absorbs part of a smooth error, which then is missing from the residuals
@@ -61,7 +61,7 @@ class Fit {
 
   // Gauss-Newton with least squares on the samples in use; outliers are dropped by their residuals.
   void solve() {
-    constexpr int kRounds = 25;  // Gauss-Newton with a bounded step: far more than it takes
+    constexpr int kRounds = 25;  // an upper bound: it ends when a step is below 1e-7
     for (int round = 0; round < kRounds; ++round) {
       build();
       Eigen::VectorXd step = normal_.ldlt().solve(right_);
@@ -147,7 +147,7 @@ class Fit {
 
  private:
   static constexpr Eigen::Index kRings = 10;   // of 20 deg each: all distances from the sun
-  static constexpr std::size_t kPatches = 32;  // of sky, within each of which the model's errors are alike
+  static constexpr std::size_t kPatches = 32;  // of sky, within which the model's errors are correlated
   static Eigen::Index of_t(std::size_t i) { return kShape + 2 * static_cast<Eigen::Index>(i); }
 
   // For each picture: the derivatives of the model by v2, v4, v6 and T for each sample (by the gain it is 1), and

@@ -16,7 +16,7 @@ namespace {
 
 // At most so many of a picture, which bounds the time; fewer than 60 see too little contrast.
 constexpr std::size_t kCurveReadings = 160, kFewestReadings = 60;
-constexpr Radians kOneSky = from_degrees(3.0);   // suns nearer than that count as one sky, whose model errs alike
+constexpr Radians kOneSky = from_degrees(3.0);   // suns nearer than that count as one sky, with one model error
 constexpr double kLowest = 0.3, kHighest = 3.0;  // exponents
 constexpr int kExponents = 93;                   // steps of 2.5 %
 constexpr double kCoarse = 0.02;                 // of ln light: the known skies are that far apart

@@ -101,7 +101,7 @@ ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity
 template <class ModelAt>
 ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
                                 const glm::dmat3& xyz_to_light) {
-  constexpr int kColourSamples = 500;  // two digits of the fullest cell's share
+  constexpr int kColourSamples = 500;  // the fullest cell's share within some 2 %
   // Even in what the sky's colour changes by, dense where it changes fast.
   constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
   std::mt19937_64 random(2017);

@@ -60,7 +60,7 @@ class LeastSquares {
     double t = start;
     Sums now = evaluate(weights, t);
     bool converged = false, current = true;
-    // Gauss-Newton with halved steps: it settles in far fewer.
+    // An upper bound: it ends when it has converged.
     constexpr int kRounds = 30;
     for (int round = 0; round < kRounds && !converged && now.information > 0.0; ++round) {
       double next = std::clamp(t + now.gradient / now.information, lowest_, highest_);
@@ -156,7 +156,7 @@ class Patches {
   }
 
  private:
-  static constexpr int kZenith = 4, kSun = 8;  // patches of some 20 deg, within which a model's errors are alike
+  static constexpr int kZenith = 4, kSun = 8;  // patches of some 20 deg, within which a model's errors are correlated
   static constexpr double kSide = 0.35;        // [rad]
   struct Patch {
     double leverage = 0.0, pull = 0.0, sum = 0.0, squares = 0.0;

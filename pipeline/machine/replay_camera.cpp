@@ -9,7 +9,7 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kMaxLateness = std::chrono::seconds(1);  // frames that were due before the last request are skipped
+constexpr Duration kMaxLateness = std::chrono::seconds(1);  // frames overdue by more are skipped
 
 class LiveRecording final : public FrameSource {
  public:

@@ -143,10 +143,10 @@ struct SnapshotMailbox {
   Bell bell;
 };
 
-// What shows that it goes on: counts that grow.
+// Signs of progress: counts that grow.
 struct ProvingMailbox : Mailbox {
   ProvingMailbox() : Mailbox("proving") {}
-  std::atomic<std::uint64_t> alive = 0;           // how often the service manager was told so
+  std::atomic<std::uint64_t> alive = 0;           // signs of life sent to the service manager
   std::atomic<std::uint64_t> scene_pictures = 0;  // shown
   std::atomic<std::uint64_t> scene_frames = 0;    // whole, of the camera
   std::atomic<bool> closed = false;               // nothing is shown, on purpose

@@ -14,7 +14,7 @@ constexpr double kReach = 2.5;        // heights of the object: beyond, a long w
 constexpr int kMostPoints = 192;      // along a side
 constexpr double kLeastStep_m = 0.1;  // no finer: the shade of a whole building is smooth
 constexpr int kMapSide = 256;         // texels
-// Of a shade within .004 of the closed form (docs/physics.md 8); in steps, so that the drawing goes on meanwhile.
+// Of a shade within .004 of the closed form (docs/physics.md 6); in steps, so that the drawing goes on meanwhile.
 constexpr int kFewestDirections = 64, kDirectionsPerStep = 8;
 constexpr std::size_t kTrianglesInAll = 20'000'000;  // drawn, from all directions together
 constexpr float kNothing = -1e30f;                   // a height below all ground

@@ -25,7 +25,7 @@ class SkyOverGround {
 
  private:
   friend class FootShadeWork;
-  // The most that are drawn from; twice as many double the time for half the noise.
+  // Chosen: a bound on the time that the shade of a small model takes.
   static constexpr int kMostDirections = 256;
   struct Ground {
     glm::vec3 normal{0.0f};  // zero: none here

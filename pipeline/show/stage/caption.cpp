@@ -15,7 +15,7 @@ constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;  // of any GPU's textures
 constexpr int kMostLines = 200;    // bounds time and memory, whatever a configuration says
 
-// White and black a little warm and cold, as of print; the ground keeps text readable before a bright sky.
+// A warm white on a cold black, as in print; the background keeps text readable before a bright sky.
 constexpr glm::dvec3 kTextColour{247, 246, 241};
 constexpr glm::dvec3 kBackground{17, 19, 23};
 constexpr double kBackgroundOpacity = 0.72;
