@@ -15,7 +15,7 @@ namespace kasumi {
 namespace {
 
 const toml::table kEmptyTable;
-constexpr int kDeepestKey = 16;  // parts; ours have 4 at most
+constexpr int kDeepestKey = 16;  // parts; Kasumi's files have 4 at most
 
 std::string shown(const toml::node& node) {
   if (const auto* number = node.as_floating_point())
