@@ -1,4 +1,4 @@
-// How far the real scene is in each pixel of a camera's picture: the one reader of files of distances.
+// Distance of the real scene in each pixel of a camera's picture: the one reader of files of distances.
 // What a number means (docs/photographs.md#distances):
 //   > 0, at most sky_beyond_m       metres along the pixel's line of sight
 //   inf, more than sky_beyond_m     sky; so is 65504 among floats, the largest of half floats
@@ -55,8 +55,8 @@ Result<DistanceMap> read_distances(const std::filesystem::path& path, const Dist
 // one has the distance of the nearest that is known.
 Image<float> sky_as_zero(const DistanceMap& map, double smallest_sky_share = 0.02);
 
-// depth_map and depth_* of [scene]. `metres` empty without the key. 0 in the file is nothing that stands there: sky.
-// Problems are recorded in the table. `summary`: what the map knows, for people.
+// depth_map and depth_* of [scene]. `metres` empty without the key. 0 in the file is sky. Problems are recorded in the
+// table. `summary`: what the map knows, for people.
 Image<float> read_distance_map(const ConfigTable& scene, int width, int height, std::string* summary = nullptr);
 
 }  // namespace kasumi

@@ -15,7 +15,7 @@ namespace kasumi {
 namespace {
 
 constexpr double kWorseThanMedian = 3.0, kWorseBy_px = 0.3;
-constexpr double kWorthMore = 0.98;  // the best model's error over that of one we would rather have
+constexpr double kWorthMore = 0.98;  // the best model's error over that of a preferred one
 
 // The worst view if it does not belong to the others.
 std::optional<std::size_t> outlier(const LensFit& fit) {
