@@ -1,4 +1,4 @@
-// What is said of the air, by a configuration or by a command's options; the rest is found, or taken as usual.
+// The air as given by a configuration or by a command's options; the rest is estimated, or taken as usual.
 #pragma once
 
 #include <optional>

@@ -62,7 +62,7 @@ Levels levels_of(const SkyElements& sky) {
   return levels;
 }
 
-// What can be said from brightness and channels alone.
+// Findings from brightness and channels alone.
 std::optional<CloudCover> without_colour(const SkyElements& sky, const Levels& levels) {
   if (sky.count < 2000) return no_fraction(SkyClass::unknown, "the picture shows almost no sky");
   if (levels.median < 0.025 && cv::countNonZero(sky.clipped) > 8)

@@ -12,7 +12,7 @@ constexpr double kDomeGroundAlbedo = 0.2;  // of the reference atmosphere that t
 
 class GroundGlow {
  public:
-  // Whose depths stand for linear sRGB's R, G, B where nothing else is said.
+  // Wavelengths whose depths stand for linear sRGB's R, G, B by default.
   static constexpr glm::dvec3 kChannels_nm{610.0, 550.0, 465.0};
   // `lit`: what falls on level ground under the dome as it is, in linear sRGB. `channels_nm`: whose depths the channels
   // have.

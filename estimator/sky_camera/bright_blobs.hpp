@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-// Levels are of the dimmest channel, encoded, over that of the brightest elements, unless something else is said.
+// Levels are of the dimmest channel, encoded, over that of the brightest elements, unless stated otherwise.
 struct BrightBlob {
   SunDirection direction{0.0, 0.0, 1.0};  // of its middle
   Radians radius;                         // of the largest circle that fits into it

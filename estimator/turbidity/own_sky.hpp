@@ -8,7 +8,7 @@ namespace kasumi {
 
 struct OwnSky {
   Image<PixelUse> use;         // PixelUse::clear where `use` said cloud, but the sky is as smooth there as clear air
-  double uncovered_sun = 0.0;  // 0..1: how surely the aureole goes on undisturbed up to the sun's own place
+  double uncovered_sun = 0.0;  // 0..1: certainty that the aureole is undisturbed up to the sun's own place
 };
 
 // `use`: clouds marked by their difference from a clear sky's model (SkyObservation::use). In air of other aerosols
