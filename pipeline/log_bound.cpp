@@ -23,7 +23,7 @@ std::string thing_of(std::string_view text) {
   return colon == std::string_view::npos || colon > kLongestThing ? std::string() : std::string(text.substr(0, colon));
 }
 
-// How much may still be said about one thing.
+// How many lines about one thing are left.
 struct Allowance {
   double lines = kMostAtOnce;
   Instant counted_at{};

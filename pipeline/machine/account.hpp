@@ -14,7 +14,7 @@ namespace kasumi {
 struct Account {
   uid_t user = 0;
   gid_t group = 0;
-  bool other = false;  // than ours: to be changed to
+  bool other = false;  // another than this process's: to be changed to
   std::string name;
 };
 

@@ -1,4 +1,4 @@
-// Asks the running appliance to load its configuration and content anew, and waits for what becomes of it.
+// Asks the running appliance to load its configuration and content anew, and waits for the result.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@ namespace kasumi {
 std::filesystem::path usual_status_file();
 
 // The problems for which the new content is refused, and the old one stays; none: it is shown. BLOCKS for `longest` at
-// most. Errors: disconnected (nothing runs, or it ended meanwhile), io (we may not ask it), timeout.
+// most. Errors: disconnected (not running, or it ended meanwhile), io (no permission), timeout.
 Result<std::vector<std::string>> ask_to_reload(const std::filesystem::path& status_file, Duration longest);
 
 }  // namespace kasumi

@@ -85,7 +85,7 @@ Result<DiskProbe> probe_disk(const std::filesystem::path& folder, std::size_t by
     ready = ::poll(&answer, 1, static_cast<int>(longest_ms));
   } while (ready < 0 && errno == EINTR);
   if (ready <= 0) {
-    ::kill(child, SIGKILL);  // stuck in the kernel it may outlive us: it is not waited for
+    ::kill(child, SIGKILL);  // stuck in the kernel it may outlive this process: it is not waited for
     ::waitpid(child, nullptr, WNOHANG);
     probe.hangs = true;
     probe.error = ETIMEDOUT;

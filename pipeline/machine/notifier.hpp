@@ -20,7 +20,7 @@ class Notifier {
 };
 
 // As $NOTIFY_SOCKET says; without a service manager nothing happens. Any thread, never waits: a manager that does not
-// read hears the newest message of each kind once it does.
+// read gets the newest message of each kind once it does.
 std::unique_ptr<Notifier> notify_systemd();
 
 }  // namespace kasumi

@@ -38,7 +38,7 @@ class LiveRecording final : public FrameSource {
   std::function<Result<std::shared_ptr<ReplaySource>>()> recording_;
   Clock& clock_;
   std::shared_ptr<ReplaySource> source_;
-  std::optional<Duration> offset_;  // from the recorder's clock to ours
+  std::optional<Duration> offset_;  // from the recorder's clock to this one
 };
 
 }  // namespace

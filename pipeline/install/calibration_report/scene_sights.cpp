@@ -43,8 +43,8 @@ LandmarkSight read_landmark(const ConfigTable& table, const ConfigTable& root, c
   return sight;
 }
 
-// The sun's apparent place. Near the horizon it hangs on the air's warmth and pressure: 15 K or 40 hPa off the usual
-// are 5 % of refraction.
+// The sun's apparent place. Near the horizon it depends on the air's temperature and pressure: 15 K or 40 hPa off the
+// usual are 5 % of refraction.
 LandmarkSight read_sighting(const ConfigTable& table, const ConfigTable& root, const SceneSights& sights) {
   table.choice("of", {"sun"}, std::string("sun"));
   LandmarkSight sight;

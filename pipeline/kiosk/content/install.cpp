@@ -77,7 +77,7 @@ Result<> fits_on_disk(const fs::path& folder, std::uint64_t bytes, const FreeByt
               folder.string(), *left >> 20, (bytes + kContentLeavesFree) >> 20);
 }
 
-// What is said of files is said of the bundle's, not of where they lie meanwhile.
+// Messages name files as in the bundle, not by their temporary place.
 std::string named_in_bundle(std::string text, const fs::path& folder, const fs::path& bundle) {
   const auto from = folder.string() + "/", to = bundle.filename().string() + ": ";
   for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))

@@ -192,7 +192,7 @@ void check_live_air(const Json& status, Findings& findings) {
         "which is right? clean the sky camera's dome, look at the landmarks' boxes (kasumi replay --overlay)");
 }
 
-// The model of the light is right to some 14 %: what is said of it beyond that is a card that is not what it was taken for.
+// The model of the light is right to some 14 %: a larger deviation means that a card is not what it was taken for.
 void check_cards(const Json& status, Findings& findings) {
   constexpr double kLeast = 0.7, kMost = 1.4;
   const auto cards = part(status, "cards");

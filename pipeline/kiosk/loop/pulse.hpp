@@ -33,7 +33,7 @@ class Pulse {
     if (turned == kNever) return std::nullopt;
     return now.time_since_epoch() - Duration(turned);
   }
-  // For how long it has been silent, if that is longer than it said.
+  // How long it has been silent, if longer than announced.
   std::optional<Duration> hung(Instant now) const {
     const Duration within(within_);  // before `turned_`: a loop that turns meanwhile is never called hung
     const auto since = silent(now);

@@ -15,7 +15,7 @@ struct TelevisionStatus {
   std::optional<bool> wanted_on;                     // empty: nothing was asked of it yet
   std::optional<bool> answers;                       // empty: not tried yet
   std::string problem;                               // why it does not
-  TelevisionPower power = TelevisionPower::unknown;  // as it said last
+  TelevisionPower power = TelevisionPower::unknown;  // by its last report
 };
 
 class TelevisionSwitch {

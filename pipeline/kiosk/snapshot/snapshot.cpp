@@ -9,7 +9,7 @@
 namespace kasumi {
 namespace {
 
-constexpr int kLargestSide = 16384;  // of a screen; an answer that claims more is not ours
+constexpr int kLargestSide = 16384;  // of a screen; an answer that claims more is not from the appliance
 
 }  // namespace
 

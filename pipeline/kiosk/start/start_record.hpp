@@ -24,7 +24,7 @@ enum class StartMode {
 struct StartRecord {
   std::string boot;              // the kernel's id of the boot of this record
   std::vector<double> starts_s;  // after that boot: of its last starts, since it last came well
-  std::string doing;             // what the last start did when it was last heard of
+  std::string doing;             // the last known activity of the last start
   bool shown = false;            // since the last start the display took pictures, or was known to be absent
   bool well = false;             // in this boot it ran for as long as proves it
   bool ended = false;            // the last start was ended on purpose

@@ -1,4 +1,4 @@
-// What the sky costs: ours next to a plain blit and to earlier sky models.
+// The cost of the sky: Kasumi's next to a plain blit and to earlier sky models.
 #include <algorithm>
 #include <array>
 

@@ -17,7 +17,8 @@
 namespace kasumi {
 
 // The papers' layout: object to a buffer with colour and depth, camera's picture to another, then the compositing pass.
-// Their fragments stay as they publish them: no response curve is undone and none applied, which costs less than ours.
+// Their fragments stay as they publish them: no response curve is undone and none applied, which costs less than
+// Kasumi's.
 class TwoBufferLayout {
  public:
   // `picture` is the camera's, a texture that outlives this. Errors: unsupported (no depth textures), device.

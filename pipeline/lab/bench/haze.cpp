@@ -55,7 +55,7 @@ std::vector<BenchRow> on_cpu() {
   const double to_gaussian = paired_ratio(ours, gaussian, 5);
   cv::setNumThreads(threads);
   const double edges = paired_ratio(with_edges, ours, 3);
-  // The explicit scheme, by the same loops, takes seconds: ours is measured before and after it.
+  // The explicit scheme, by the same loops, takes seconds: Kasumi's is measured before and after it.
   std::vector<double> seconds;
   for (int i = 0; i < 10; ++i) seconds.push_back(processor_seconds_of(ours));
   const double explicit_seconds = processor_seconds_of(by(DiffusionScheme::explicit_steps, one_surface));

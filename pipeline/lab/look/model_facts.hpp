@@ -1,4 +1,4 @@
-// What can be said of a model without drawing it.
+// Findings about a model without drawing it.
 #pragma once
 
 #include <string>

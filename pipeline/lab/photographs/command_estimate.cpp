@@ -205,7 +205,7 @@ Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::
   return kept ? learned->write(arguments.camera_memory) : Result<>();
 }
 
-// Arguments that name no picture are reported first; the others are answered all the same.
+// Arguments that name no picture are reported first; the others are still answered.
 Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
   auto inputs = EstimateInputs::expand(arguments);
   if (!inputs) return fail(inputs.error());

@@ -39,7 +39,7 @@ std::string models_text(const std::vector<SkyModelAnswer>& models) {
   return text.empty() ? "" : "  by               " + text + "\n";
 }
 
-// A scan has no cloud cover; its verdict may say the kind all the same.
+// A scan has no cloud cover; its verdict may still give the kind of sky.
 SkyClass sky_class(const SkyPhotographReport& report) {
   if (report.cover.sky != SkyClass::unknown) return report.cover.sky;
   switch (report.look.estimate.sky) {

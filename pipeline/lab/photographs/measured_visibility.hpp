@@ -19,9 +19,9 @@ Result<MeasuredVisibilities> read_measured_visibilities(const std::filesystem::p
 
 struct VisibilityCheck {
   ExtinctionKind kind = ExtinctionKind::nothing;  // of Kasumi's own estimate
-  double measured_m = 0.0, ours_m = 0.0;          // optical range; ours is the value, or the bound
+  double measured_m = 0.0, ours_m = 0.0;          // optical range; `ours_m` is Kasumi's value, or its bound
   double factor = 0.0;                            // ours over measured
-  double sigmas = 0.0;                            // of a value: ours less measured extinction over our sigma
+  double sigmas = 0.0;                            // of a value: Kasumi's less measured extinction over Kasumi's sigma
   bool holds = false;                             // a bound that the measured keeps; a value within 2 sigma
 };
 VisibilityCheck check_visibility(const LandmarkAir& air, double measured_m);

@@ -29,7 +29,7 @@ struct SunGiven {
 
 struct PhotographedSun {
   std::optional<SunDirection> direction;          // the sun's; azimuth clockwise from north as far as known
-  SunDirection in_camera{0.0, 0.0, 1.0};          // the same in the directions of `camera`, to go on with
+  SunDirection in_camera{0.0, 0.0, 1.0};          // the same in the directions of `camera`
   std::optional<SunBlob> seen;                    // in the picture, in the directions of `camera`
   std::optional<SunDirection> by_time_and_place;  // clockwise from north, also where the picture is followed
   std::optional<SunDirection> seen_at;            // the same, clockwise from north

@@ -38,7 +38,7 @@ SkyToFit sky_to_fit(const std::string& text, double altitude_m, const GivenAir& 
     sky.aerosol = given.to_be_found();
     return sky;
   }
-  if (hosek != std::string::npos) sky.model = SiteSkyModel::dome;  // the nearest to theirs where one must be drawn
+  if (hosek != std::string::npos) sky.model = SiteSkyModel::dome;  // the nearest to Hosek's where one must be drawn
   if (!(hosek == std::string::npos ? name == "preetham" : name.empty()))
     problems.add("--sky-model {}: expected auto, preetham, dome, hosek:FILE or auto+hosek:FILE", text);
   else if (given.any())

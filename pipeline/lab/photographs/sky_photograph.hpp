@@ -31,7 +31,7 @@ struct SkyPhotographOptions {
   std::optional<ToneCurve> tone;         // over sRGB
   // Neither response nor vignetting was measured: both are unknowns beside the air.
   bool unknown_camera = false;
-  std::optional<double> tone_exponent;         // of an unknown camera, where it is known all the same
+  std::optional<double> tone_exponent;         // of an otherwise unknown camera
   double sigma_altitude_m = 0.0;               // of the site\'s, for an unknown camera; 0: it is known
   std::optional<double> rim_loss;              // of light at the circle's edge, 0 .. 1
   std::shared_ptr<const CameraMemory> memory;  // cameras known by other pictures; null: none

@@ -1,4 +1,4 @@
-// Earlier sky models next to ours: the flaws that U Chapter 5.4.1 describes, as pictures and numbers.
+// Earlier sky models next to Kasumi's: the flaws that U Chapter 5.4.1 describes, as pictures and numbers.
 #pragma once
 
 #include <string>

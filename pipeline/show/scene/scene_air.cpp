@@ -23,7 +23,7 @@ namespace {
 // a long outage has no weight.
 constexpr double kHorizonMemory_s = 2.8;
 constexpr double kCardsMemory_s = 180.0;      // a person leans on the wall; clouds' light is computed a moment late
-constexpr double kCardsForgotten_s = 1800.0;  // unread, what they said of other light leads astray
+constexpr double kCardsForgotten_s = 1800.0;  // unread for so long: their factors are of another light
 constexpr double kBehindMemory_s = 60.0;      // a person walks through the fog before the camera
 
 // Smaller steps are invisible: half a percent of the haze, a tenth of a degree of the sun.

@@ -69,7 +69,7 @@ struct ShownFiles {
   std::map<std::filesystem::path, std::shared_ptr<const Image<Rgba8>>> stills;
 };
 
-// `problem` hears of what cannot be read; a missing file is already reported by the reader of its key.
+// `problem` is called for unreadable files; a missing file is already reported by the reader of its key.
 template <class Problem>
 std::shared_ptr<const Model> model_of(const std::filesystem::path& file, const std::string& scene, ShownFiles& files,
                                       Problem problem) {

@@ -51,7 +51,7 @@ Rung Ladder::step(Instant now, const LadderInput& input) {
   rung_.shown = shown;
   stepped_ = now;
   if (input.display || shown == Shown::dark) return rung_;
-  // Fades and patience go on, so that a display that comes finds its place on the ladder.
+  // Fades and timeouts continue, so that a display that returns shows the right rung of the ladder.
   auto unseen = rung_;
   unseen.shown = Shown::nothing;
   unseen.trouble = Trouble::no_display;
