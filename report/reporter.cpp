@@ -128,7 +128,7 @@ Answer Reporter::answer(const Request& request) {
 Answer Reporter::answer_admitted(const Request& request) {
   const bool shows_screen = screen_ && request.path == "/screen";
   if (request.posts && !shows_screen) return only_reading();
-  // A page elsewhere can make a browser send a form, but cannot read ours.
+  // A foreign page can make a browser send a form, but cannot read this page.
   if (request.posts && request.key != form_key_)
     return plain_answer(403, "This button is of an earlier page: load the page again.\n");
   if (request.path == "/metrics") {

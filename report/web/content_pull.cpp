@@ -104,7 +104,7 @@ struct ContentPull::Exchange {
   std::uint64_t of_bytes = 0;
   std::size_t header_bytes = 0, refusal_bytes = 0;
   bool begun = false;
-  std::optional<Fault> problem;  // ours or its
+  std::optional<Fault> problem;  // of this program or of the server
   WebRequest request;
 };
 

@@ -1,5 +1,5 @@
 // New content, asked for at a web server now and then: one bundle at one address. It is fetched once for each version
-// (ETag), goes on where it was cut off (Range), and lies in a folder until `kasumi content` has looked whose it is.
+// (ETag), goes on where it was cut off (Range), and stays in a folder until `kasumi content` has verified it.
 #pragma once
 
 #include <cstdint>
@@ -27,14 +27,14 @@ struct PullBounds {
   std::uint64_t bytes = kMostBundleBytes;
   std::uint64_t free_bytes = std::uint64_t{128} << 20;  // that it leaves on the disk
   Duration to_connect = std::chrono::seconds(20);
-  long slow_bytes_s = 500;  // slower for so long, and it is given up until the next try, which goes on from there
+  long slow_bytes_s = 500;  // slower for so long, and the download pauses until the next try, which resumes it
   Duration slow = std::chrono::minutes(1);
   Duration whole = std::chrono::hours(12);  // of one exchange
 };
 
 // For remote operators.
 struct PullStatus {
-  std::optional<Utc> asked;               // when the server was last heard to the end
+  std::optional<Utc> asked;               // when the server last answered completely
   std::optional<Utc> came;                // since the reporter's start: when a bundle came whole
   std::uint64_t bytes = 0, of_bytes = 0;  // of the current download; 0: none, or unknown
   std::string problem;                    // of the last try; empty: none
