@@ -5,7 +5,7 @@
 
 namespace kasumi {
 
-// 255 where tones go on from a corner of the frame without a step and stay near the corner's, of whatever colour;
+// 255 where tones continue from a corner of the frame without a step and stay near the corner's, of any colour;
 // 0 elsewhere. `reach` is how far tones may stray.
 cv::Mat1b surround_of(const cv::Mat3f& tones, double reach);
 
