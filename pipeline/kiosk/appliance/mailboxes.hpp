@@ -146,7 +146,8 @@ struct SnapshotMailbox {
 // Signs of progress: counts that grow.
 struct ProvingMailbox : Mailbox {
   ProvingMailbox() : Mailbox("proving") {}
-  std::atomic<std::uint64_t> alive = 0;           // signs of life sent to the service manager
+  void see(std::uint64_t pictures, bool is_closed) { scene_pictures = pictures, closed = is_closed; }
+  std::atomic<std::uint64_t> alive = 0;           // the service manager was told so
   std::atomic<std::uint64_t> scene_pictures = 0;  // shown
   std::atomic<std::uint64_t> scene_frames = 0;    // whole, of the camera
   std::atomic<bool> closed = false;               // nothing is shown, on purpose

@@ -359,7 +359,7 @@ void RenderLoop::present() {
   }
   ++status_.scene_frames;
   layout_ = frame->picture.view().layout;
-  report_.latency().shown(*number, frame->metadata.captured_at);
+  latency_.shown(*number, frame->metadata.captured_at);
 }
 
 // Errors: device, disconnected.
@@ -439,13 +439,22 @@ void RenderLoop::finish() {
 
 void RenderLoop::publish() {
   const auto now = clock_.now();
-  if (!report_.is_due(now)) return;
+  if (published_at_ && now - *published_at_ < kRenderStatusInterval) return;
+  published_at_ = now;
+  status_.told = now;
+  status_.frames_dropped = mailboxes_.render.frames.dropped();
+  status_.latency = latency_.whole();
   screen_.report_planes();
   status_.passers.reset();
   if (const auto* look = screen_.is_open() ? screen_.stage().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
   status_.page_pictures = snapshots_.page_pictures();
-  report_.publish(status_, now);
+  if (now - minute_began_ >= 1min) {
+    minute_began_ = now;
+    status_.latency_minute = latency_.take_minute();
+  }
+  mailboxes_.proving.see(status_.scene_frames, status_.rung.shown == Shown::dark);
+  mailboxes_.status->render.put(status_);
 }
 
 }  // namespace kasumi
