@@ -37,6 +37,7 @@ struct TrackedAir {
   std::vector<ObserverPart> observers;  // the largest share first
   std::array<double, kAerosolKinds.size()> kinds{};  // probability of each
   double papers_share = 0.0;                         // of the sky that the papers' T belongs to
+  bool seen() const { return !observers.empty(); }   // or given
   std::string text() const;  // for people: "aerosol .21 +- .03 by sky and landmarks", "the air is supposed: ..."
 };
 
@@ -52,7 +53,7 @@ struct RememberedAir {
 
 // Amounts are in ln(aod_550 + kSmallAerosol).
 struct AirTrackerOptions {
-  // What it gives is fixed; with the amount, the path's as well (near_ground 1).
+  // What it gives is fixed; with the amount, the path's as well (near_ground 1), whatever is seen.
   GivenAir given{};
   double altitude_m = 0.0;  // of the scene camera, for the paths
   // The usual air, assumed without observations, and how the air changes. From AERONET's sites: ln aod varies by .7,

@@ -143,6 +143,11 @@ TrackedAir AirTracker::at(Instant when) const {
   tracked.trustworthy = given || (seen() && tracked.age <= options_.trusted_for && sure);
   tracked.kinds = kind_.kinds(when);
   tracked.papers_share = kind_.papers_share();
+  if (const auto whole = options_.given.whole()) {
+    tracked.air = tracked.believed = *whole;
+    tracked.sigma_turbidity = 0.0;
+    tracked.age = {};
+  }
   return tracked;
 }
 

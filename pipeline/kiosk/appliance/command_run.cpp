@@ -58,6 +58,7 @@ void log_sighting(const Content& content) {
   const auto sighting = sight_object(content.config.installation, content.model->bounds());
   spdlog::log(sighting.in_picture() ? spdlog::level::info : spdlog::level::warn, "{}", sighting.message);
   for (const auto& note : model_notes(content)) spdlog::info("{}", note);
+  if (const auto& note = content.config.sky_model_note; !note.empty()) spdlog::warn("{}", note);
 }
 
 // Draws it once off screen, which finds content that only GL refuses.

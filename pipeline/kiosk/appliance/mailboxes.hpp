@@ -51,7 +51,8 @@ struct CheckPicture {
 
 // The air as the sky camera alone measures it, for comparison.
 struct SkyAir {
-  std::optional<TrackedTurbidity> turbidity;  // empty: unknown or not trustworthy
+  std::optional<Turbidity> turbidity;  // empty: unknown or too old
+  double sigma = 0.0;                  // of it
   SkyAbove above;
   Instant told{};
 };

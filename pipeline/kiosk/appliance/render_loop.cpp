@@ -269,11 +269,11 @@ std::string RenderLoop::visible_message() const {
   const auto& options = content_->config.messages;
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
-  const bool air_known = sky_.report.tracked && sky_.report.tracked->trustworthy;
+  const auto* air = sky_.report.seen_air();
   // Whoever has just changed the content stands before the screen now, or never.
   const bool tells_content = options.show_faults && content_->instead && clock_.now() - started_ < kContentMessage;
   if (!message && tells_content) return std::string(message_text(Message::earlier_content, options.language));
-  if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air_known)) return {};
+  if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air && air->trustworthy)) return {};
   return std::string(message_text(*message, options.language));
 }
 

@@ -1,5 +1,7 @@
 #include "pipeline/kiosk/appliance/sky_loop.hpp"
 
+#include <algorithm>
+
 #include <spdlog/spdlog.h>
 
 #include "base/outside/abandonable.hpp"
@@ -18,6 +20,23 @@ constexpr Duration kSkyStatusInterval = 1s;  // while no frame comes
 constexpr Duration kHealthInterval = 500ms;
 constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before a report without a frame
 constexpr Duration kMaxStoredAge = 2h;       // older air is not worth restoring
+
+// T of what the sky camera saw last: an aerosol of the exponent that is believed now.
+SkyAir by_sky_alone(const std::optional<TrackedAir>& air) {
+  SkyAir alone;
+  const auto trusted = [](const ObserverPart& part) {
+    return part.by == AirObserver::sky && part.age <= AirTrackerOptions{}.trusted_for;
+  };
+  if (!air) return alone;
+  const auto sky = std::ranges::find_if(air->observers, trusted);
+  if (sky == air->observers.end()) return alone;
+  const auto turbidity = [&](double aod_550) {
+    return turbidity_of(Aerosol{aod_550, air->air.aerosol().angstrom_exponent});
+  };
+  alone.turbidity = Turbidity{turbidity(sky->aod_550)};
+  alone.sigma = sky->sigma_aod_550 * (turbidity(1.0) - turbidity(0.0));  // T is linear in the optical depth
+  return alone;
+}
 
 }  // namespace
 
@@ -143,8 +162,9 @@ void SkyLoop::publish(SkyReport report, bool up, SunSource sun_from) {
   published_at_ = clock_.now();
   SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris,
                    watch_.to_remember(*published_at_, clock_.utc()), *published_at_};
-  const auto& by_sky = status.report.by_sky;
-  SkyAir air{by_sky && by_sky->trustworthy ? by_sky : std::nullopt, {{}, status.report.estimate.sky}, *published_at_};
+  SkyAir air = by_sky_alone(status.report.air);
+  air.above.sky = status.report.estimate.sky;
+  air.told = *published_at_;
   if (status.sun_known()) air.above.sun = status.report.sun.direction;
   mailboxes_.visibility.sky.put(std::move(air));
   mailboxes_.status->sky.put(status);

@@ -238,7 +238,7 @@ OrderedJson observer_json(const ObserverPart& part) {
           {"sigmas_apart", part.apart_sigmas}};
 }
 
-// The air that drives the picture, with its observers; null where T alone is followed.
+// What drives the picture, and who says so; null before the first report.
 OrderedJson air_json(const std::optional<TrackedAir>& state) {
   if (!state) return nullptr;
   const Aerosol& aerosol = state->air.aerosol();
@@ -288,8 +288,8 @@ std::string heat_text(const HeatStatus& heat) {
 
 std::string status_json(const Status& status) {
   const auto& rung = status.render.rung;
-  const auto& tracked = status.sky.report.tracked;
-  const auto tracked_value = [&](auto value) { return tracked ? OrderedJson(value(*tracked)) : OrderedJson(nullptr); };
+  const auto* seen = status.sky.report.seen_air();
+  const auto of_seen = [&](auto value) { return seen ? OrderedJson(value(*seen)) : OrderedJson(nullptr); };
   OrderedJson json;
   json["shown"] = name_of(rung.shown);
   json["reason"] = name_of(rung.trouble);
@@ -297,16 +297,16 @@ std::string status_json(const Status& status) {
   json["television"] = television_json(status.television);
   json["scene_camera"] = camera_json(status.scene_camera, status.now);
   json["sky_camera"] = camera_json(status.sky_camera, status.now);
-  json["turbidity"] = tracked_value([](const auto& t) { return t.turbidity.value; });
-  json["sigma"] = tracked_value([](const auto& t) { return t.sigma; });
-  json["turbidity_age_s"] = tracked_value([](const auto& t) { return to_seconds(t.age); });
-  json["turbidity_trustworthy"] = tracked_value([](const auto& t) { return t.trustworthy; });
-  const auto& air = status.sky.report.air;
+  json["turbidity"] = of_seen([](const auto& t) { return t.air.turbidity().value; });
+  json["sigma"] = of_seen([](const auto& t) { return t.sigma_turbidity; });
+  json["turbidity_age_s"] = of_seen([](const auto& t) { return to_seconds(t.age); });
+  json["turbidity_trustworthy"] = of_seen([](const auto& t) { return t.trustworthy; });
+  const auto air = seen_quality(status.sky.report, 0.0);
   const auto* aerosol = air && air->aerosol ? &*air->aerosol : nullptr;
   json["aod_550"] = air ? OrderedJson(air->aod_550) : OrderedJson(nullptr);
   json["angstrom_exponent"] = aerosol ? OrderedJson(aerosol->angstrom_exponent) : OrderedJson(nullptr);
   json["aerosol"] = aerosol ? OrderedJson(name_of(aerosol->kind)) : OrderedJson(nullptr);
-  json["air"] = air_json(status.sky.report.state);
+  json["air"] = air_json(status.sky.report.air);
   json["sky"] = name_of(status.sky.report.estimate.sky);
   json["sky_reason"] = status.sky.report.estimate.reason;
   json["sun"] = status.sky.report.sun.message;
@@ -349,10 +349,10 @@ std::string status_line(const Status& status) {
   if (status.heat.show_one_of > 1) line += "; too hot: " + heat_text(status.heat);
   for (const auto& loop : status.loops)
     if (loop.hung) line += fmt::format("; {} loop: {}", loop.name, hung_text(*loop.silent));
-  if (const auto& tracked = status.sky.report.tracked)
-    line += fmt::format("; T {:.2f} +- {:.2f}, {:.0f} s old", tracked->turbidity.value, tracked->sigma,
-                        to_seconds(tracked->age));
-  if (const auto& state = status.sky.report.state; state && state->supposed) line += "; the air is supposed";
+  if (const auto* air = status.sky.report.seen_air())
+    line += fmt::format("; T {:.2f} +- {:.2f}, {:.0f} s old", air->air.turbidity().value, air->sigma_turbidity,
+                        to_seconds(air->age));
+  if (const auto& air = status.sky.report.air; air && air->supposed) line += "; the air is supposed";
   if (status.instead && rung.trouble != Trouble::content_refused)
     line += fmt::format("; the configured content is refused, shown is that of {}",
                         utc_text(std::chrono::floor<std::chrono::seconds>(status.instead->kept_utc)));
@@ -366,16 +366,15 @@ HistoryLine history_line(const Status& status) {
   line.utc = std::chrono::floor<std::chrono::minutes>(status.utc);
   line.shown = status.render.rung.shown;
   line.trouble = status.render.rung.trouble;
-  if (const auto& tracked = status.sky.report.tracked) {
-    line.turbidity = tracked->turbidity.value;
-    line.sigma_turbidity = tracked->sigma;
-    line.air_age_min = to_seconds(tracked->age) / 60.0;
+  if (const auto* air = status.sky.report.seen_air()) {
+    line.turbidity = air->air.turbidity().value;
+    line.sigma_turbidity = air->sigma_turbidity;
+    line.aod_550 = air_quality(air->air, 0.0).aod_550;
   }
-  if (const auto& air = status.sky.report.air) line.aod_550 = air->aod_550;
-  if (const auto& state = status.sky.report.state) {
-    line.sigma_aod_550 = aod_sigma(*state);
-    line.air_age_min = to_seconds(state->age) / 60.0;
-    line.air_supposed = state->supposed;
+  if (const auto& air = status.sky.report.air) {
+    line.sigma_aod_550 = aod_sigma(*air);
+    line.air_age_min = to_seconds(air->age) / 60.0;
+    line.air_supposed = air->supposed;
   }
   const auto age_s = [&](const CameraHealth& health) {
     return health.last_good ? std::optional(to_seconds(status.now - *health.last_good)) : std::nullopt;

@@ -205,12 +205,12 @@ void StatusLoop::keep_history(const std::optional<HistoryLine>& minute) {
 void StatusLoop::save_air() {
   saved_ = status_.now;
   const auto& folder = content_->config.state_folder;
-  const auto& tracked = status_.sky.report.tracked;
+  const auto* air = status_.sky.report.seen_air();
   // What is given needs no memory. Without a trusted clock its age would be unknown after a restart.
   const auto& installation = content_->config.installation;
-  if (!folder || !tracked || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
-  TurbidityState state =
-      turbidity_state(tracked->target, tracked->sigma, status_.utc - tracked->age, installation.sky_to_fit());
+  if (!folder || !air || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
+  TurbidityState state = turbidity_state(air->believed.turbidity(), air->sigma_turbidity, status_.utc - air->age,
+                                         installation.sky_to_fit());
   state.air = status_.sky.to_remember;
   note("air", [kept = kept_, state, to = *folder] { log_outage(save(state, to), kept->air_failing, "state"); });
 }

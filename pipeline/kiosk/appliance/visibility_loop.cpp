@@ -73,8 +73,7 @@ void VisibilityLoop::judge(const CheckPicture& picture) {
     return;
   auto look = watch_->look(view_of(picture.picture), clock_.now(), sky_.above);
   VisibilityStatus status{clock_.utc(), std::move(look.landmarks), {}, std::move(look.reason)};
-  if (status.air && sky_.turbidity)
-    status.sky = watch_->landmarks().compare(*status.air, sky_.turbidity->turbidity, sky_.turbidity->sigma);
+  if (status.air && sky_.turbidity) status.sky = watch_->landmarks().compare(*status.air, *sky_.turbidity, sky_.sigma);
   if (!look.air.empty()) mailboxes_.sky.scene_air.put(std::move(look.air));
   if (look.learnt) keep_what_was_learnt();
   if (watch_->has_landmarks()) publish(std::move(status));

@@ -54,15 +54,15 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
   fmt::print("sky: {} frames, {} usable\n", summary.sky_frames, summary.usable_sky_frames);
   if (summary.given) {
     fmt::print("air: {}, as given\n", text_of(*summary.given));
-  } else if (summary.last && summary.last->tracked && summary.last->air) {
-    const auto& tracked = *summary.last->tracked;
+  } else if (summary.air) {
+    const TrackedAir& tracked = *summary.last->air;
     fmt::print("turbidity: {:.2f} +- {:.2f}, aerosol optical depth {:.3f}, visibility {:.1f} km, {}\n",
-               tracked.turbidity.value, tracked.sigma, summary.last->air->aod_550,
-               summary.last->air->visibility_m / 1000.0, name_of(summary.last->air->weather));
-    if (const auto& aerosol = summary.last->air->aerosol) fmt::print("air: {}\n", text_of(*aerosol));
-    if (const auto& state = summary.last->state) fmt::print("{}\n", state->text());
-  } else if (!request.air.turbidity && summary.last && summary.last->state) {
-    fmt::print("turbidity: unknown ({}); {}\n", summary.last->estimate.reason, summary.last->state->text());
+               tracked.air.turbidity().value, tracked.sigma_turbidity, summary.air->aod_550,
+               summary.air->visibility_m / 1000.0, name_of(summary.air->weather));
+    if (const auto& aerosol = summary.air->aerosol) fmt::print("air: {}\n", text_of(*aerosol));
+    fmt::print("{}\n", tracked.text());
+  } else if (!request.air.turbidity && summary.last && summary.last->air) {
+    fmt::print("turbidity: unknown ({}); {}\n", summary.last->estimate.reason, summary.last->air->text());
   } else if (!request.air.turbidity) {
     fmt::print("turbidity: unknown; {:.1f} was assumed{}\n", request.air.until_known.value,
                summary.last ? " (" + summary.last->estimate.reason + ")" : "");

@@ -16,6 +16,7 @@
 #include "pipeline/lab/recording/replayed_air.hpp"
 #include "pipeline/machine/progress.hpp"
 #include "pipeline/machine/stop_signal.hpp"
+#include "pipeline/show/scene/air_figures.hpp"
 #include "pipeline/show/scene/compositor.hpp"
 #include "pipeline/show/stage/overlay.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
@@ -165,6 +166,7 @@ class Run {
     summary_.horizon_reason = compositor_.air().horizon().reason;
     summary_.notes = compositor_.notes();
     if (latest_.picture) summary_.last = latest_;
+    if (summary_.last) summary_.air = seen_quality(latest_, site_.altitude_m);
     return summary_;
   }
 
@@ -176,7 +178,8 @@ class Run {
   }
 
   std::string progress_detail() const {
-    return latest_.tracked ? fmt::format("T {:.2f}", latest_.tracked->turbidity.value) : "T unknown yet";
+    const auto* air = latest_.seen_air();
+    return air ? fmt::format("T {:.2f}", air->air.turbidity().value) : "T unknown yet";
   }
 
   Result<> show(Result<Frame> frame) {

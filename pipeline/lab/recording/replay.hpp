@@ -35,7 +35,8 @@ struct ReplaySummary {
   std::uint64_t dropped = 0;                   // sky reports superseded before drawing (realtime only)
   std::uint64_t layers_drawn = 0;
   std::optional<SkyReport> last;
-  std::optional<Aerosol> given;  // the air, where it was given
+  std::optional<AirQuality> air;  // of the same; empty: none was seen
+  std::optional<Aerosol> given;   // the air, where it was given
   HorizonLight::Source horizon = HorizonLight::Source::none;
   std::string horizon_reason;
   Sighting sighting;  // where the building stands in the picture, or why it does not

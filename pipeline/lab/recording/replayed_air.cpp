@@ -22,7 +22,16 @@ ReplayedAir::ReplayedAir(const Installation& installation)
     : site_(installation.site),
       watch_(installation),
       scene_watch_(installation),
-      scene_encoding_(installation.scene.yuv_encoding) {}
+      scene_encoding_(installation.scene.yuv_encoding) {
+  const auto& around = installation.surroundings;
+  TrackerOptions options;
+  options.like = around.air.to_be_found();
+  if (around.sky_model == SiteSkyModel::preetham && !around.air.whole()) papers_.emplace(std::move(options));
+}
+
+void ReplayedAir::follow(SkyReport& report, Instant when) const {
+  if (papers_) report.air = papers_->at(when);
+}
 
 ReplayedFrame ReplayedAir::next_scene_frame(FixtureSources& sources, const std::function<bool()>& over) {
   while (!over()) {
@@ -36,6 +45,7 @@ ReplayedFrame ReplayedAir::next_scene_frame(FixtureSources& sources, const std::
     if (const auto sight = sight_due(frame)) {
       look(*sight, above_in(latest_));
       latest_ = watch_.with_air(std::move(latest_), sight->when);
+      follow(latest_, sight->when);
     }
     if (frame) place_sun(latest_, frame->metadata.utc, site_);
     return frame;
@@ -59,7 +69,7 @@ std::optional<Sight> ReplayedAir::sight_due(const Result<Frame>& frame) {
 
 void ReplayedAir::look(const Sight& sight, const SkyAbove& above) {
   watch_.observe(scene_watch_.look(view_of(sight.picture), sight.when, above).air);
-  if (const auto state = watch_.with_air({}, sight.when).state) curve_.add(sight.utc, *state);
+  if (!papers_) curve_.add(sight.utc, *watch_.with_air({}, sight.when).air);
 }
 
 std::optional<SkyReport> ReplayedAir::observe_sky(Result<Frame> frame) {
@@ -69,14 +79,17 @@ std::optional<SkyReport> ReplayedAir::observe_sky(Result<Frame> frame) {
     return std::nullopt;
   }
   ++sky_frames_;
+  const auto when = frame->metadata.captured_at;
   auto report = watch_.observe(*frame);
   if (!report) {
     ++skipped_[fmt::format("sky camera: {}",
                            frame->metadata.status == FrameStatus::good ? "damaged" : name_of(frame->metadata.status))];
     return std::nullopt;
   }
-  table_.add(*report);
-  if (report->state) curve_.add(report->utc, *report->state);
+  if (papers_) papers_->observe(report->estimate, when);
+  follow(*report, when);
+  table_.add(*report, site_.altitude_m);
+  if (!papers_) curve_.add(report->utc, *report->air);
   if (report->estimate.usable) ++usable_sky_frames_;
   return std::move(*report);
 }

@@ -9,6 +9,7 @@
 #include "capture/fixture/replay_source.hpp"
 #include "pipeline/lab/recording/air_curve.hpp"
 #include "pipeline/lab/recording/turbidity_table.hpp"
+#include "pipeline/lab/recording/turbidity_tracker.hpp"
 #include "pipeline/show/scene/scene_watch.hpp"
 #include "pipeline/show/scene/sky_watch.hpp"
 
@@ -53,9 +54,11 @@ class ReplayedAir {
 
  private:
   void take_sky_frame(Result<Frame> frame);
+  void follow(SkyReport& report, Instant when) const;
 
   Site site_;
   SkyWatch watch_;
+  std::optional<TurbidityTracker> papers_;  // T alone, in the place of the watch's air; empty: sky_model says otherwise
   SceneWatch scene_watch_;
   YuvEncoding scene_encoding_;
   std::optional<Instant> looked_at_;

@@ -23,7 +23,7 @@ std::string number_if(bool valid, double value, int digits) {
   return valid ? fmt::format("{:.{}f}", value, digits) : "";
 }
 
-// The state of the air; empty where T alone is followed.
+// The state of the air; empty while there is none.
 std::string state_fields(const std::optional<TrackedAir>& state) {
   if (!state) return ",,,,,,,,,,";
   const Aerosol& aerosol = state->air.aerosol();
@@ -35,23 +35,22 @@ std::string state_fields(const std::optional<TrackedAir>& state) {
 
 }  // namespace
 
-void TurbidityTable::add(const SkyReport& report) {
+void TurbidityTable::add(const SkyReport& report, double altitude_m) {
   const auto& estimate = report.estimate;
-  const auto& tracked = report.tracked;
-  const auto& air = report.air;
+  const auto* seen = report.seen_air();
+  const auto air = seen_quality(report, altitude_m);
   const bool sun = report.sun.source != SunSource::none;
   rows_.push_back(fmt::format(
       "{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{},{:.4f},{},{},{},{}", utc_text(report.utc), estimate.usable,
       name_of(estimate.sky), number_if(estimate.usable, estimate.turbidity.value, 4),
-      number_if(estimate.usable, estimate.sigma, 4),
-      number_if(tracked.has_value(), tracked ? tracked->turbidity.value : 0, 4),
-      number_if(tracked.has_value(), tracked ? tracked->sigma : 0, 4),
-      number_if(tracked.has_value(), tracked ? to_seconds(tracked->age) : 0, 1), tracked && tracked->trustworthy,
-      number_if(air.has_value(), air ? air->aod_550 : 0, 4), number_if(air.has_value(), air ? air->visibility_m : 0, 0),
-      air ? name_of(air->weather) : "", estimate.clear_fraction, estimate.samples, estimate.log_residual,
+      number_if(estimate.usable, estimate.sigma, 4), number_if(seen, seen ? seen->air.turbidity().value : 0, 4),
+      number_if(seen, seen ? seen->sigma_turbidity : 0, 4), number_if(seen, seen ? to_seconds(seen->age) : 0, 1),
+      seen && seen->trustworthy, number_if(air.has_value(), air ? air->aod_550 : 0, 4),
+      number_if(air.has_value(), air ? air->visibility_m : 0, 0), air ? name_of(air->weather) : "",
+      estimate.clear_fraction, estimate.samples, estimate.log_residual,
       number_if(sun, to_degrees(zenith_angle(report.sun.direction)), 4),
       number_if(sun, to_degrees(azimuth_angle(report.sun.direction)), 4), quoted(estimate.reason),
-      state_fields(report.state)));
+      state_fields(report.air)));
 }
 
 Result<> TurbidityTable::write(const std::filesystem::path& path) const {

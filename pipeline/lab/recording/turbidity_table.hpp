@@ -12,7 +12,7 @@ namespace kasumi {
 
 class TurbidityTable {
  public:
-  void add(const SkyReport& report);
+  void add(const SkyReport& report, double altitude_m);
   Result<> write(const std::filesystem::path& path) const;
   std::size_t row_count() const { return rows_.size(); }
 

@@ -18,6 +18,11 @@ double angstrom_sigma(const TrackedAir& state) {
   return std::sqrt(state.air.covariance().angstrom_exponent);
 }
 
+std::optional<AirQuality> seen_quality(const SkyReport& report, double altitude_m) {
+  const auto* air = report.seen_air();
+  return air ? std::optional(air_quality(air->air, altitude_m)) : std::nullopt;
+}
+
 std::string observers_text(const TrackedAir& state) {
   if (state.observers.empty()) return std::string(name_of(AirObserver::supposed));
   std::string text;

@@ -153,9 +153,7 @@ SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
 AirState SceneAir::air_under(const SkyReport& report) const {
   if (options_.turbidity) return air_of(*options_.turbidity, given_.to_be_found());
   if (const auto given = given_.whole()) return *given;
-  if (report.state) return report.state->air;
-  return air_of(report.tracked ? report.tracked->turbidity : options_.until_known, given_.to_be_found(),
-                report.tracked ? report.tracked->sigma : 0.0);
+  return report.air ? report.air->air : air_of(options_.until_known, given_.to_be_found());
 }
 
 ScatteringModel SceneAir::scattering(const AirState& air) const {

@@ -24,8 +24,7 @@ struct SceneAirOptions {
   bool aerial_perspective = true;        // false: the "before" picture
   bool black_object = false;             // neither sun nor sky reach it: what is seen there is airlight
   std::optional<Turbidity> turbidity{};  // instead of the air that was found
-  // Until a sky frame is usable, where T alone is followed: an ordinary clear day. The state of the air knows by itself
-  // what is usual.
+  // Before the first report of the air: an ordinary clear day.
   Turbidity until_known{3.0};
   Duration horizon_interval = std::chrono::seconds(1);  // between measurements of the horizon
 };

@@ -10,11 +10,6 @@ namespace kasumi {
 
 namespace {
 
-// The state for readers that know T alone.
-TrackedTurbidity as_turbidity(const TrackedAir& state) {
-  return {state.air.turbidity(), state.believed.turbidity(), state.sigma_turbidity, state.age, state.trustworthy};
-}
-
 // Of an estimate by one model alone: what it cannot know is as usual.
 FoundAerosol found_alone(Turbidity turbidity, double sigma, const SkyToFit& sky) {
   // Of all air: 1.3 +- .4, as SkyFit supposes it of models that know T alone.
@@ -53,9 +48,9 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
       cloud_base_m_(installation.surroundings.cloud_base_m),
       given_(installation.surroundings.air),
       options_(std::move(options)),
-      observer_(installation.sky) {
+      observer_(installation.sky),
+      air_(tracker_of(installation)) {
   options_.estimate.sky = installation.sky_to_fit();
-  if (installation.surroundings.sky_model != SiteSkyModel::preetham) air_.emplace(tracker_of(installation));
 }
 
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
@@ -102,24 +97,7 @@ FoundAerosol SkyWatch::of_site(FoundAerosol found) const {
 
 void SkyWatch::add_air(SkyReport& report, Instant when) const {
   if (scene_saturation_) report.scene_saturation = scene_saturation_->at(when);
-  report.tracked = report.by_sky = tracker_.at(when);
-  report.state = air_ ? std::optional(air_->at(when)) : std::nullopt;
-  report.air.reset();
-  if (const auto given = given_.whole()) {
-    // Whatever is seen of it, the air is known.
-    const Turbidity turbidity{turbidity_of(*given)};
-    report.tracked = TrackedTurbidity{};
-    report.tracked->turbidity = report.tracked->target = turbidity;
-    report.tracked->trustworthy = true;
-    report.air = air_quality(*given, site_.altitude_m);
-    if (report.state) report.state->air = report.state->believed = *given;
-  } else if (report.state) {
-    const bool seen = !report.state->observers.empty();
-    report.tracked = seen ? std::optional(as_turbidity(*report.state)) : std::nullopt;
-    if (seen) report.air = air_quality(report.state->air, site_.altitude_m);
-  } else if (report.tracked) {
-    report.air = air_quality(air_of(report.tracked->turbidity, given_.to_be_found()), site_.altitude_m);
-  }
+  report.air = air_.at(when);
 }
 
 void SkyWatch::observe(const SceneAirReading& scene) {
@@ -129,9 +107,8 @@ void SkyWatch::observe(const SceneAirReading& scene) {
                          scene.when};
   }
   scene_seen_ = true;
-  if (!air_) return;
-  if (scene.low_sky) air_->observe(ColumnReading{AirObserver::horizon, of_site(scene.low_sky->found)}, scene.when);
-  if (scene.path) air_->observe(*scene.path, scene.when);
+  if (scene.low_sky) air_.observe(ColumnReading{AirObserver::horizon, of_site(scene.low_sky->found)}, scene.when);
+  if (scene.path) air_.observe(*scene.path, scene.when);
 }
 
 SkyReport SkyWatch::with_air(SkyReport report, Instant when) const {
@@ -153,8 +130,7 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
   last_estimate_ = report.estimate;
   last_measured_ = report.measured;
   last_observed_ = when;
-  tracker_.observe(report.estimate, when);
-  if (air_ && report.estimate.usable) air_->observe(ColumnReading{AirObserver::sky, found_in(report.estimate)}, when);
+  if (report.estimate.usable) air_.observe(ColumnReading{AirObserver::sky, found_in(report.estimate)}, when);
   add_air(report, when);
   return report;
 }
@@ -169,12 +145,8 @@ SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
   return report;
 }
 
-void SkyWatch::remember(const RememberedAir& air, Instant when) {
-  if (air_) air_->remember(air, when);
-}
-
 std::optional<RememberedAir> SkyWatch::to_remember(Instant when, Utc utc) const {
-  return air_ && !given_.whole() ? air_->to_remember(when, utc) : std::nullopt;
+  return given_.whole() ? std::nullopt : air_.to_remember(when, utc);
 }
 
 void SkyWatch::remember(Turbidity turbidity, double sigma, Instant when) {
@@ -184,14 +156,10 @@ void SkyWatch::remember(Turbidity turbidity, double sigma, Instant when) {
   earlier.sigma = sigma;
   earlier = checked(earlier);
   if (!earlier.usable) return;
-  if (!air_) {
-    if (!tracker_.at(when)) tracker_.observe(earlier, when);
-    return;
-  }
   const FoundAerosol found = found_in(earlier);
   RememberedAir air{found.aerosol, std::sqrt(found.covariance.aod_550), std::sqrt(found.covariance.angstrom_exponent)};
   air.papers_sky = found.papers_share > 0.5;
-  air_->remember(air, when);
+  air_.remember(air, when);
 }
 
 TurbidityEstimate checked(TurbidityEstimate estimate) {

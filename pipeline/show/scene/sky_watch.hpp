@@ -11,7 +11,6 @@
 #include "capture/frame.hpp"
 #include "estimator/fusion/air_tracker.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
-#include "estimator/turbidity/tracker.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/show/scene/scene_watch.hpp"
 #include "pipeline/site/config/installation.hpp"
@@ -21,15 +20,14 @@ namespace kasumi {
 // Result of one sky frame; the renderer uses the latest.
 struct SkyReport {
   Utc utc{};
-  TurbidityEstimate estimate;               // of this frame
-  std::optional<TrackedTurbidity> tracked;  // over time, of what drives the picture; empty without observations
-  std::optional<TrackedTurbidity> by_sky;   // over time, by the sky camera alone, for comparison
-  std::optional<TrackedAir> state;          // by all observers; empty: T alone is followed (sky_model = "preetham")
-  std::optional<AirQuality> air;            // of `tracked`, or the given air's
-  std::optional<double> scene_saturation;   // learnt of the scene camera; empty: nothing was
+  TurbidityEstimate estimate;              // of this frame
+  std::optional<TrackedAir> air;           // over time, by all observers: drives the picture; empty: none was tracked
+  std::optional<double> scene_saturation;  // learnt of the scene camera; empty: nothing was
   SunCheck sun;
   std::shared_ptr<const MeasuredSky> measured;    // this frame's clouds; null: nothing beyond the model
   std::shared_ptr<const DecodedPicture> picture;  // the frame's pixels; null when there is no frame
+
+  const TrackedAir* seen_air() const { return air && air->seen() ? &*air : nullptr; }  // null: no observer has seen it
 };
 
 using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
@@ -59,11 +57,10 @@ class SkyWatch {
   SkyReport with_air(SkyReport report, Instant when) const;
   // While no frame comes: the last estimate, the tracked air at its present age, the sun's position at `utc`.
   SkyReport at(Instant when, Utc utc, SunSource sun_from) const;
-  // What of the air is worth keeping over a restart; empty without observations, where it is given, and where T alone
-  // is followed.
+  // What of the air is worth keeping over a restart; empty while nobody has seen it, and where it is given.
   std::optional<RememberedAir> to_remember(Instant when, Utc utc) const;
   // Restores what was known at an earlier instant: the state, or the sky camera's T. No effect once it was seen again.
-  void remember(const RememberedAir& air, Instant when);
+  void remember(const RememberedAir& air, Instant when) { air_.remember(air, when); }
   void remember(Turbidity turbidity, double sigma, Instant when);
 
  private:
@@ -79,8 +76,7 @@ class SkyWatch {
   GivenAir given_;
   SkyWatchOptions options_;
   SkyObserver observer_;
-  TurbidityTracker tracker_;       // of the sky camera's T
-  std::optional<AirTracker> air_;  // of all observers; empty: T alone is followed
+  AirTracker air_;
   // Of the scene camera. What is learnt while visitors look comes in over minutes; what was known at a start, at once.
   struct Saturation {
     double before = 1.0, learnt = 1.0;

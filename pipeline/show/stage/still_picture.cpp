@@ -54,7 +54,7 @@ std::optional<StillSky> still_sky(const SkyReport& report) {
   found.sun = report.sun.direction;
   if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil twilight has ended
   // Preetham's T stands for the same optical depth of haze here.
-  if (report.tracked) found.turbidity = report.tracked->turbidity;
+  if (const auto* air = report.seen_air()) found.turbidity = air->air.turbidity();
   if (sky == SkyCondition::overcast)
     found.clouds = 1.0;
   else if (sky == SkyCondition::partly_cloudy)

@@ -246,6 +246,13 @@ void read_screen(const ConfigTable& root, RunConfig& config) {
 RunConfig read_run_config(const ConfigTable& root) {
   RunConfig config;
   config.installation = read_installation(root);
+  if (auto& model = config.installation.surroundings.sky_model; model == SiteSkyModel::preetham) {
+    model = SiteSkyModel::automatic;
+    config.sky_model_note =
+        "[site] sky_model = \"preetham\": the papers' way is for photographs and replays; a kiosk follows "
+        "\"automatic\", "
+        "which weighs Preetham's sky among the others";
+  }
   config.sky_camera = read_camera_options(root.table("sky").table("camera"), config.installation.sky);
   config.scene_camera = read_camera_options(root.table("scene").table("camera"), config.installation.scene);
   read_screen(root, config);

@@ -51,7 +51,8 @@ struct SnapshotOptions {
 };
 
 struct RunConfig {
-  Installation installation;
+  Installation installation;   // its sky_model is never preetham
+  std::string sky_model_note;  // for people: what is followed instead of the configured one; empty: that is
   CameraOptions sky_camera;
   CameraOptions scene_camera;
   DisplayOptions display;

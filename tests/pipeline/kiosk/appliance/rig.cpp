@@ -271,7 +271,7 @@ std::unique_ptr<Rig> running(RigOptions options) {
   auto rig = std::make_unique<Rig>(std::move(options));
   rig->advance(4s);
   EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
-  EXPECT_TRUE(rig->status().sky.report.tracked) << rig->status().sky.report.estimate.reason;
+  EXPECT_TRUE(rig->status().sky.report.seen_air()) << rig->status().sky.report.estimate.reason;
   return rig;
 }
 

@@ -78,14 +78,14 @@ TEST(Appliance, Row1AFrameFromBeforeTheOutageIsNotShownAfterIt) {
 
 TEST(Appliance, Row2UnpluggingTheSkyCameraChangesOnlyTheAgeOfTheAir) {
   const auto rig = running({.name = "row2"});
-  const auto before = rig->status().sky.report.tracked->turbidity.value;
+  const auto before = rig->status().sky.report.seen_air()->air.turbidity().value;
   rig->devices.sky.unplugged = true;
   rig->advance(60s);
   EXPECT_EQ(rig->shown(), Shown::degraded);
   EXPECT_TRUE(rig->age_on_screen());
-  ASSERT_TRUE(rig->status().sky.report.tracked);
-  EXPECT_NEAR(rig->status().sky.report.tracked->turbidity.value, before, 0.02);
-  EXPECT_GT(to_seconds(rig->status().sky.report.tracked->age), 50.0);
+  ASSERT_TRUE(rig->status().sky.report.seen_air());
+  EXPECT_NEAR(rig->status().sky.report.seen_air()->air.turbidity().value, before, 0.02);
+  EXPECT_GT(to_seconds(rig->status().sky.report.seen_air()->age), 50.0);
   EXPECT_TRUE(rig->status().sky.sun_known()) << "the sun moves on by the clock";
   rig->devices.sky.unplugged = false;
   EXPECT_TRUE(rig->recover("2 sky camera unplugged, replugged", 3s));
@@ -273,7 +273,7 @@ TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
   EXPECT_FALSE(status.sky.up);
   EXPECT_FALSE(status.sky.report.estimate.usable);
   EXPECT_EQ(status.sky.report.estimate.reason, "no picture of the sky: frozen");
-  EXPECT_GE(status.sky.report.tracked->age, 2s);
+  EXPECT_GE(status.sky.report.seen_air()->age, 2s);
   EXPECT_EQ(rig->trouble(), Trouble::sky_lost);
   EXPECT_EQ(rig->shown(), Shown::degraded);
 
@@ -297,12 +297,12 @@ TEST(Appliance, Row13ASingleOutlierChangesNothing) {
   };
   const auto rig = running({.name = "row13", .sky = sky});
   rig->advance(30s);
-  ASSERT_NEAR(rig->status().sky.report.tracked->turbidity.value, 3.0, 0.01);
+  ASSERT_NEAR(rig->status().sky.report.seen_air()->air.turbidity().value, 3.0, 0.01);
   *turbidity = 9.0;
   rig->advance(4s);
   *turbidity = 3.0;
   rig->advance(4s);
-  EXPECT_NEAR(rig->status().sky.report.tracked->turbidity.value, 3.0, 0.02);
+  EXPECT_NEAR(rig->status().sky.report.seen_air()->air.turbidity().value, 3.0, 0.02);
   std::printf("%-52s next good look\n", "13 a bird before the sky");
 }
 
@@ -323,7 +323,7 @@ TEST_P(Nonsense, Row14IsRejectedAndTheLastGoodAirStays) {
   *answer = GetParam();
   rig->advance(20s);
   EXPECT_EQ(rig->shown(), Shown::live);
-  EXPECT_NEAR(rig->status().sky.report.tracked->turbidity.value, 3.0, 0.01) << "and what is usual";
+  EXPECT_NEAR(rig->status().sky.report.seen_air()->air.turbidity().value, 3.0, 0.01) << "and what is usual";
   EXPECT_FALSE(rig->status().sky.report.estimate.usable);
   EXPECT_THAT(rig->status().sky.report.estimate.reason, HasSubstr("rejected"));
   std::printf("14 T = %g +- %g %-34s rejected\n", GetParam().first, GetParam().second, "");
@@ -344,7 +344,7 @@ TEST(Appliance, Row24WithTheClockAt1970ThePictureIsLiveWithoutTheBuilding) {
   EXPECT_EQ(rig.trouble(), Trouble::time_unknown);
   EXPECT_TRUE(rig.age_on_screen());
   EXPECT_FALSE(rig.status().sky.sun_known());
-  EXPECT_FALSE(rig.status().sky.report.tracked) << "no estimate without the sun's position";
+  EXPECT_FALSE(rig.status().sky.report.seen_air()) << "no estimate without the sun's position";
   const auto without_building = rig.picture();
 
   // The time server answers: the kernel's clock is set, then it is synchronized.
@@ -389,8 +389,8 @@ TEST(Appliance, Row24WithPolicyFromSkyTheSunIsLocatedInThePicture) {
   rig.advance(6s);
   EXPECT_EQ(rig.shown(), Shown::live);
   EXPECT_EQ(rig.status().sky.report.sun.source, SunSource::image);
-  ASSERT_TRUE(rig.status().sky.report.tracked);
-  EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25) << "the generator's";
+  ASSERT_TRUE(rig.status().sky.report.seen_air());
+  EXPECT_NEAR(rig.status().sky.report.seen_air()->air.turbidity().value, 2.5, 0.25) << "the generator's";
 }
 
 TEST(Appliance, Row24CloudsOverTheSunDoNotTakeTheBuildingAway) {
@@ -415,9 +415,9 @@ TEST(Appliance, TheAirIsRestoredAfterARestart) {
   rig.devices.sky.unplugged = true;
   rig.advance(4s);
   EXPECT_EQ(rig.shown(), Shown::degraded);
-  ASSERT_TRUE(rig.status().sky.report.tracked);
-  EXPECT_NEAR(rig.status().sky.report.tracked->turbidity.value, 2.5, 0.25);
-  EXPECT_NEAR(to_seconds(rig.status().sky.report.tracked->age), 600.0, 10.0);
+  ASSERT_TRUE(rig.status().sky.report.seen_air());
+  EXPECT_NEAR(rig.status().sky.report.seen_air()->air.turbidity().value, 2.5, 0.25);
+  EXPECT_NEAR(to_seconds(rig.status().sky.report.seen_air()->age), 600.0, 10.0);
 }
 
 TEST(Appliance, AirOfMoreThanTwoHoursAgoIsNotRestored) {
@@ -430,7 +430,7 @@ TEST(Appliance, AirOfMoreThanTwoHoursAgoIsNotRestored) {
            .keep_folder = true});
   rig.devices.sky.unplugged = true;
   rig.advance(4s);
-  EXPECT_FALSE(rig.status().sky.report.tracked);
+  EXPECT_FALSE(rig.status().sky.report.seen_air());
 }
 
 TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
@@ -446,7 +446,7 @@ TEST(Appliance, AirOfTheOtherSkyModelIsNotRestored) {
            .keep_folder = true});
   rig.devices.sky.unplugged = true;
   rig.advance(4s);
-  EXPECT_FALSE(rig.status().sky.report.tracked);
+  EXPECT_FALSE(rig.status().sky.report.seen_air());
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ std::unique_ptr<Rig> live(RigOptions options) {
   auto rig = std::make_unique<Rig>(std::move(options));
   rig->advance(4s, 200ms);
   EXPECT_EQ(rig->shown(), Shown::live) << name_of(rig->trouble());
-  EXPECT_TRUE(rig->status().sky.report.tracked) << rig->status().sky.report.estimate.reason;
+  EXPECT_TRUE(rig->status().sky.report.seen_air()) << rig->status().sky.report.estimate.reason;
   return rig;
 }
 
@@ -52,7 +52,7 @@ void hang(Rig& rig, CameraFaults& camera) {
 TEST(Appliance, Row30AHungSkyCameraIsAsIfItWereGone) {
   const auto rig = live({.name = "row30-sky", .observe_every = 1s});
   const Journal journal;
-  const auto air = rig->status().sky.report.tracked->turbidity.value;
+  const auto air = rig->status().sky.report.seen_air()->air.turbidity().value;
   const auto sun = rig->status().sky.report.sun.direction;
   hang(*rig, rig->devices.sky);
   rig->advance(7s, kLongStep);

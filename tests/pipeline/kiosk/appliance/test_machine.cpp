@@ -300,8 +300,8 @@ TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) 
   };
   Rig nobody({.name = "supposed", .sky = sky});
   nobody.advance(4s);
-  ASSERT_TRUE(nobody.status().sky.report.state);
-  EXPECT_TRUE(nobody.status().sky.report.state->supposed);
+  ASSERT_TRUE(nobody.status().sky.report.air);
+  EXPECT_TRUE(nobody.status().sky.report.air->supposed);
   EXPECT_THAT(status_line(nobody.status()), testing::HasSubstr("the air is supposed"));
   EXPECT_EQ(nlohmann::json::parse(status_json(nobody.status()))["air"]["supposed"], true);
   EXPECT_TRUE(nlohmann::json::parse(status_json(nobody.status()))["turbidity"].is_null());
@@ -311,7 +311,7 @@ TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) 
            .sky = sky});
   rig.advance(5s);
   ASSERT_TRUE(rig.status().visibility.air) << rig.status().visibility.reason;
-  const auto& state = rig.status().sky.report.state;
+  const auto& state = rig.status().sky.report.air;
   EXPECT_FALSE(state->supposed) << state->text();
   const auto json = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["air"];
   EXPECT_EQ(json["observers"][0]["by"], "landmarks");

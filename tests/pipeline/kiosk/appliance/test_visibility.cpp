@@ -168,10 +168,9 @@ class VisibilityLoopTest : public testing::Test {
     clock.advance(1min);
   }
   void set_sky(double turbidity, double height = 0.6) {
-    TrackedTurbidity tracked;
-    tracked.turbidity = Turbidity{turbidity};
-    tracked.sigma = 0.1;
-    sky_ = {tracked, {SunDirection{0.0, std::sqrt(1.0 - height * height), height}, SkyCondition::overcast}};
+    sky_ = {Turbidity{turbidity},
+            0.1,
+            {SunDirection{0.0, std::sqrt(1.0 - height * height), height}, SkyCondition::overcast}};
     tell_sky();
   }
   // The sky's loop tells its news once a second.

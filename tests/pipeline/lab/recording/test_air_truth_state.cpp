@@ -158,8 +158,8 @@ void expect_right(const std::vector<Scene>& scenes) {
     for (const char* truth : {"composite", "coverage"}) take_last(fixture / "truth", truth);
     const auto summary = played_to_the_last(fixture, out);
     const double error = building_error(fixture, out, scene.name);
-    ASSERT_TRUE(summary.last && summary.last->state);
-    const TrackedAir& state = *summary.last->state;
+    ASSERT_TRUE(summary.last && summary.last->air);
+    const TrackedAir& state = *summary.last->air;
     const Aerosol found = state.air.aerosol(), truth = true_air(scene.recipe);
     table += fmt::format(
         "| {} | {:.2f} | {:.2f} | {:.2f} | {} | {:.3f} | {:.3f} +- {:.3f}, near the ground {:.2f}, exponent {:.2f}, "
@@ -254,8 +254,8 @@ TEST(AirTruthState, AnHourAfterTheSunWentTheErrorIsWhatSigmaSays) {
     const auto fixture = clouds_come(scene);
     const auto out = test_folder("air-state-out");
     const auto summary = played(fixture, out);
-    ASSERT_TRUE(summary.last && summary.last->state);
-    const TrackedAir& state = *summary.last->state;
+    ASSERT_TRUE(summary.last && summary.last->air);
+    const TrackedAir& state = *summary.last->air;
     const double error = building_error(fixture, out, scene.name);
     const Aerosol truth = aerosol_of(scene.turbidity), found = state.air.aerosol();
     const double sigma = aod_sigma_of(state), one_sigma = one_sigma_of(fixture, out, state);
@@ -283,8 +283,8 @@ TEST(AirTruthState, LandmarksThatWereSeenUnderAClearSkyCarryItOn) {
     const auto fixture = clouds_come(scene);
     const auto out = test_folder("air-state-out");
     const auto summary = played_to_the_last(fixture, out);
-    ASSERT_TRUE(summary.last && summary.last->state);
-    const TrackedAir& state = *summary.last->state;
+    ASSERT_TRUE(summary.last && summary.last->air);
+    const TrackedAir& state = *summary.last->air;
     const Aerosol truth = aerosol_of(scene.turbidity);
     const double error = building_error(fixture, out, scene.name), goal = scene.turbidity > 4.0 ? 5.0 : 3.0;
     const double given = error_when_given(fixture, truth, scene.name), one_sigma = one_sigma_of(fixture, out, state);
@@ -309,13 +309,13 @@ TEST(AirTruthState, WhereTheSkyWasNeverClearTheAirIsSupposedAndSaidToBe) {
   const auto fixture = clouds_come({"never clear", 4.0, 1, false});
   const auto out = test_folder("air-state-out");
   const auto summary = played(fixture, out);
-  ASSERT_TRUE(summary.last && summary.last->state);
-  EXPECT_TRUE(summary.last->state->supposed);
-  EXPECT_FALSE(summary.last->tracked);
+  ASSERT_TRUE(summary.last && summary.last->air);
+  EXPECT_TRUE(summary.last->air->supposed);
+  EXPECT_FALSE(summary.last->seen_air());
   const double error = building_error(fixture, out, "never clear, T 4");
   figure_row("found-building", {"T 4, closed sky, no landmarks, never clear: air supposed", figure_text(error, 1),
                                 "none: status, JSON and doctor say that it is supposed", "`test_air_truth_state`"});
-  fmt::print("closed sky, never clear, T 4: {:.2f} of 255 off; {}\n", error, summary.last->state->text());
+  fmt::print("closed sky, never clear, T 4: {:.2f} of 255 off; {}\n", error, summary.last->air->text());
 }
 
 }  // namespace

@@ -270,13 +270,13 @@ TEST(SkyWatch, TheTurbidityOfAHighSiteMatchesTheDome) {
   const Frame frame = frame_of(dome(3000.0, Turbidity{5.0}, sun), sun, camera, utc);
   const auto found = [&] { return SkyWatch(installation).observe(frame, Instant{}, SunSource::ephemeris).value(); };
   const auto by_dome = found();
-  ASSERT_TRUE(by_dome.tracked) << by_dome.estimate.reason;
-  EXPECT_NEAR(by_dome.tracked->turbidity.value, 5.0, 0.25);
+  ASSERT_TRUE(by_dome.seen_air()) << by_dome.estimate.reason;
+  EXPECT_NEAR(by_dome.seen_air()->air.turbidity().value, 5.0, 0.25);
   // Preetham's model has no altitude: a high-altitude sky always looks very clear to it.
   installation.surroundings.sky_model = SiteSkyModel::preetham;
   const auto by_preetham = found();
-  ASSERT_TRUE(by_preetham.tracked) << by_preetham.estimate.reason;
-  EXPECT_LT(by_preetham.tracked->turbidity.value, 2.2);
+  ASSERT_TRUE(by_preetham.seen_air()) << by_preetham.estimate.reason;
+  EXPECT_LT(by_preetham.seen_air()->air.turbidity().value, 2.2);
 }
 
 TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
@@ -290,7 +290,7 @@ TEST(SceneAir, AssumesAnOrdinaryClearDayUntilTheSkyIsKnown) {
     EXPECT_LE(depth(supposed()), 0.3) << altitude_m << " m";
   }
   SkyReport known;
-  known.tracked.emplace().turbidity = Turbidity{2.6};
+  known.air.emplace().air = Turbidity{2.6};
   EXPECT_EQ(SceneAir(installation, {}).conditions(known).air, AirState(Turbidity{2.6}));
 }
 

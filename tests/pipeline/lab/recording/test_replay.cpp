@@ -80,10 +80,10 @@ TEST(Replay, AGivenAirDrivesThePictureWhateverTheSkySays) {
   played(fixture, usual);
   const auto summary = played_under(smoke, fixture, by_option);
   EXPECT_EQ(summary.given, smoke.whole());
-  ASSERT_TRUE(summary.last && summary.last->air && summary.last->tracked);
-  EXPECT_EQ(summary.last->air->aerosol, smoke.whole());
-  EXPECT_NEAR(summary.last->tracked->turbidity.value, turbidity_of(*smoke.whole()), 1e-9);
-  EXPECT_TRUE(summary.last->tracked->trustworthy);
+  ASSERT_TRUE(summary.last && summary.air && summary.last->seen_air());
+  EXPECT_EQ(summary.air->aerosol, smoke.whole());
+  EXPECT_NEAR(summary.last->seen_air()->air.turbidity().value, turbidity_of(*smoke.whole()), 1e-9);
+  EXPECT_TRUE(summary.last->seen_air()->trustworthy);
 
   // In the place of what the fixture itself says of its air.
   std::istringstream lines(read_text_file(fixture / "fixture.toml").value());
@@ -108,10 +108,24 @@ TEST(Replay, OfAGivenKindTheAmountIsFoundInTheSky) {
   const auto summary =
       played_under({std::nullopt, std::nullopt, AerosolKind::continental}, fixture, test_folder("given-kind-out"));
   EXPECT_FALSE(summary.given);
-  ASSERT_TRUE(summary.last && summary.last->air);
-  ASSERT_TRUE(summary.last->air->aerosol);
-  EXPECT_EQ(summary.last->air->aerosol->kind, AerosolKind::continental);
-  EXPECT_GT(summary.last->air->aerosol->aod_550, 0.0);
+  ASSERT_TRUE(summary.air);
+  ASSERT_TRUE(summary.air->aerosol);
+  EXPECT_EQ(summary.air->aerosol->kind, AerosolKind::continental);
+  EXPECT_GT(summary.air->aerosol->aod_550, 0.0);
+}
+
+TEST(Replay, ByThePapersSkyTAloneIsFollowed) {
+  const auto fixture = recorded(small("papers-noon", 2), "papers-way");
+  auto text = read_text_file(fixture / "fixture.toml").value();
+  text.replace(text.find("[site]"), 6, "[site]\nsky_model = \"preetham\"");
+  ASSERT_TRUE(write_text_file(fixture / "fixture.toml", text));
+  const auto summary = played(fixture, test_folder("papers-way-out"));
+  ASSERT_TRUE(summary.last && summary.last->seen_air());
+  const TrackedAir& air = *summary.last->air;
+  EXPECT_FALSE(air.air.aerosol_known());
+  EXPECT_NEAR(air.believed.turbidity().value, summary.last->estimate.turbidity.value, 0.05);
+  ASSERT_EQ(air.observers.size(), 1U) << "landmarks change nothing";
+  EXPECT_EQ(air.observers.front().by, AirObserver::sky);
 }
 
 // Neither the building nor, for edges may be a pixel wide, next to it.

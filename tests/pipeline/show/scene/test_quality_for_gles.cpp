@@ -49,7 +49,7 @@ TEST(QualityForGles, HazeBlursByTheRootOfItsOpticalDepth) {
   const SceneAir air(installation, {});
   const auto under = [](double turbidity) {
     SkyReport report;
-    report.tracked.emplace().turbidity = Turbidity{turbidity};
+    report.air.emplace().air = Turbidity{turbidity};
     return report;
   };
   const auto measure = spectral_measure(installation.scene);

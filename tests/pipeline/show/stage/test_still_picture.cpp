@@ -41,8 +41,8 @@ SkyReport report(double sun_zenith_deg, SkyCondition sky = SkyCondition::clear, 
   made.sun.direction = direction_from(from_degrees(sun_zenith_deg), from_degrees(150.0));
   made.estimate.sky = sky;
   made.estimate.clear_fraction = sky == SkyCondition::overcast ? 0.0 : 1.0;
-  made.tracked.emplace();
-  made.tracked->turbidity = Turbidity{turbidity};
+  made.air.emplace().air = Turbidity{turbidity};
+  made.air->observers.emplace_back();
   return made;
 }
 

@@ -4,6 +4,7 @@
 
 #include "pipeline/site/config/given_air_keys.hpp"
 #include "pipeline/site/config/installation.hpp"
+#include "pipeline/site/config/run_config.hpp"
 
 namespace kasumi {
 namespace {
@@ -59,6 +60,15 @@ TEST(GivenAirKeys, DecideTheSkyThatIsFitted) {
   EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham) << "asked for";
   EXPECT_FALSE(installation.sky_to_fit().every_model);
   EXPECT_FALSE(installation.sky_to_fit().aerosol);
+}
+
+TEST(SkyModelKey, OfAKioskIsNotThePapersAlone) {
+  const auto table = ConfigTable::parse("[site]\nsky_model = \"preetham\"\n", "kasumi.toml").value();
+  EXPECT_EQ(read_installation(table).surroundings.sky_model, SiteSkyModel::preetham) << "of a recording";
+  const auto config = read_run_config(table);
+  EXPECT_EQ(config.installation.surroundings.sky_model, SiteSkyModel::automatic);
+  EXPECT_THAT(config.sky_model_note,
+              HasSubstr("sky_model = \"preetham\": the papers' way is for photographs and replays"));
 }
 
 }  // namespace

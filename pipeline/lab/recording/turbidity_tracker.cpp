@@ -1,4 +1,4 @@
-#include "estimator/turbidity/tracker.hpp"
+#include "pipeline/lab/recording/turbidity_tracker.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -68,15 +68,19 @@ TurbidityTracker::Verdict TurbidityTracker::observe(const TurbidityEstimate& est
   return Verdict::taken;
 }
 
-std::optional<TrackedTurbidity> TurbidityTracker::at(Instant when) const {
+std::optional<TrackedAir> TurbidityTracker::at(Instant when) const {
   if (!state_) return std::nullopt;
   const double shown = shown_at(when), variance = variance_at(when);
-  TrackedTurbidity tracked;
-  tracked.turbidity = turbidity_of(shown);
-  tracked.target = turbidity_of(state_->believed);
-  tracked.sigma = (tracked.turbidity.value - 1.0) * std::sqrt(variance + square(state_->believed - shown));
+  const Turbidity turbidity = turbidity_of(shown);
+  TrackedAir tracked;
+  tracked.sigma_turbidity = (turbidity.value - 1.0) * std::sqrt(variance + square(state_->believed - shown));
+  tracked.air = air_of(turbidity, options_.like, tracked.sigma_turbidity);
+  tracked.believed = air_of(turbidity_of(state_->believed), options_.like);
   tracked.age = passed(state_->updated, when);
   tracked.trustworthy = tracked.age <= options_.trusted_for && std::sqrt(variance) <= options_.largest_trusted_sigma;
+  tracked.observers = {{AirObserver::sky, tracked.age, tracked.air.aerosol().aod_550}};
+  tracked.observers.front().share = 1.0;
+  tracked.papers_share = 1.0;
   return tracked;
 }
 

@@ -1,10 +1,10 @@
-// T over time: the value that the renderer gets between, and in the absence of, single estimates.
+// T alone over time, as the papers have it: of photographs and recordings under sky_model = "preetham".
 #pragma once
 
 #include <optional>
 
 #include "base/clock.hpp"
-#include "estimator/atmosphere.hpp"
+#include "estimator/fusion/air_tracker.hpp"
 
 namespace kasumi {
 
@@ -20,14 +20,7 @@ struct TrackerOptions {
   double largest_rate_per_minute = 0.30;         // half a percent of haze a second: too slow to be seen as a step
   Duration trusted_for = std::chrono::hours(2);  // without a usable estimate
   double largest_trusted_sigma = 0.35;
-};
-
-struct TrackedTurbidity {
-  Turbidity turbidity;       // shown: changes slowly
-  Turbidity target;          // the estimate, which the shown value approaches
-  double sigma = 0.0;        // standard deviation of `turbidity` as today's T, including the distance to the target
-  Duration age{};            // since the last estimate that was accepted
-  bool trustworthy = false;  // young and certain enough to be called today's air
+  std::optional<Aerosol> like{};  // exponent and kind, where they are given
 };
 
 // Works in ln(T - 1): haze over pure air, on which visibility and airlight depend (M Eq 24). Monotonic time; a time
@@ -39,9 +32,9 @@ class TurbidityTracker {
   // Accepts an estimate, or rejects it (unusable, not finite, or a lone outlier).
   enum class Verdict { taken, unusable, outlier, restarted };
   Verdict observe(const TurbidityEstimate& estimate, Instant when);
-  // The value to show at an instant; empty until the first estimate is accepted. It does not depend on how often it is
+  // The air to show at an instant; empty until the first estimate is accepted. It does not depend on how often it is
   // called.
-  std::optional<TrackedTurbidity> at(Instant when) const;
+  std::optional<TrackedAir> at(Instant when) const;
 
  private:
   struct State {
