@@ -139,11 +139,9 @@ void doubt_camera(SkyFit& fit, double doubt_of_aod) {
   fit.sigma_turbidity = std::hypot(fit.sigma_turbidity, per_aod * doubt_of_aod);
 }
 
-}  // namespace
-
-SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
-                                   const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                                   const EstimateOptions& options) {
+SkyEvidence ask_every_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
+                            const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
+                            const EstimateOptions& options) {
   SkyEvidence evidence;
   evidence.statistics = statistics;
   const SunDirection sun = observation.estimate.sun;
@@ -208,6 +206,29 @@ SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, co
   const auto samples = static_cast<double>(observation.samples.size());
   estimate.clear_fraction = samples > 0.0 ? evidence.air.clear_fraction * evidence.agreeing / samples : 0.0;
   return evidence;
+}
+
+}  // namespace
+
+std::optional<Refusal> observe_by_every_model(SkyObservation& observation, SkyLight sky,
+                                              const SkyStatistics& statistics, const SkyPicture& picture,
+                                              const SkyGeometry& geometry, const Camera& camera,
+                                              const EstimateOptions& options) {
+  const SunDirection sun = observation.estimate.sun;
+  const SkyLook look = options.mask_clouds ? look_of(picture, geometry, sky, sun) : SkyLook{};
+  if (auto refusal = refuse_by_look(look, statistics.brightest)) {
+    std::ranges::replace(sky.use.elements(), PixelUse::clear, PixelUse::cloud);
+    observation.use = std::move(sky.use);
+    return refusal;
+  }
+  SampleLimits nearer = options.limits;
+  nearer.least_sun_distance = std::min(nearer.least_sun_distance, kNearestToSun);
+  SkyEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, camera, sun, nearer), statistics,
+                                         picture, geometry, camera, options);
+  evidence.look = look;
+  double& clear_fraction = observation.estimate.clear_fraction;
+  if (look.places >= kFewestPlaces) clear_fraction = std::min(clear_fraction, look.smooth);
+  return refuse_by_evidence(evidence, options);
 }
 
 SkyToFit followed(const SkyFit& fit, SkyToFit sky) {

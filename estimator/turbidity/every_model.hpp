@@ -8,10 +8,11 @@
 namespace kasumi {
 
 // `sky`: of the picture, clouds not marked; afterwards they are (SkyObservation::use). Fills all of the observation but
-// what the verdict says.
-SkyEvidence observe_by_every_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
-                                   const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                                   const EstimateOptions& options);
+// what the verdict says: why it is not to be believed; empty: it is.
+std::optional<Refusal> observe_by_every_model(SkyObservation& observation, SkyLight sky,
+                                              const SkyStatistics& statistics, const SkyPicture& picture,
+                                              const SkyGeometry& geometry, const Camera& camera,
+                                              const EstimateOptions& options);
 
 // The family that an answer follows: Preetham's, to which T alone belongs, or the dome of the aerosol found.
 SkyToFit followed(const SkyFit& fit, SkyToFit sky);

@@ -46,15 +46,4 @@ struct LocalSolution {
 LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
                                const FittedSky& sky = {});
 
-// The papers' method, to reproduce their tables (M Eq 8, M14 Sect 3): sum over i of |Y_i(T)/Y_ref(T) - Y_i/Y_ref| with
-// the one reference sample, RANSAC against clouds.
-struct ReferencePixelOptions {
-  int rounds = 50;
-  double fraction = 0.3;    // of the samples used for a hypothesis
-  double threshold = 0.08;  // largest error of an inlier's ratio
-  std::uint64_t seed = 1;
-};
-TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, std::size_t reference,
-                                           const ReferencePixelOptions& options = {});
-
 }  // namespace kasumi

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -17,21 +18,17 @@
 
 namespace kasumi {
 
-enum class EstimateMethod {
-  free_gain,        // ours: global, robust, the gain solved along with T
-  reference_pixel,  // the papers': M Eq 8 with one reference pixel
-};
+using OneModelSolver = std::function<TurbiditySolution(std::span<const SkySample>)>;
 
 struct EstimateOptions {
-  EstimateMethod method = EstimateMethod::free_gain;
   int samples = 400;       // N
   std::uint64_t seed = 1;  // of the drawn samples
   bool mask_clouds = true;
   SampleLimits limits;
   CloudMaskOptions clouds;
   SolverOptions solver;
-  SkyToFit sky;  // the papers' method supports Preetham's alone
-  ReferencePixelOptions reference;
+  SkyToFit sky;
+  OneModelSolver solve;  // instead of solve_turbidity(), of Preetham's sky alone: estimator/papers
   // Conditions for accepting an estimate.
   Radians lowest_sun = from_degrees(3.0);  // elevation
   double least_clear_fraction = 0.10;      // of the sky examined

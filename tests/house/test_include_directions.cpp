@@ -91,6 +91,9 @@ TEST(IncludeDirections, AnOffenderWouldBeFound) {
   EXPECT_THAT(violations("calib/board/a.cpp", "#include \"calib/camera.hpp\"\n"), SizeIs(1));
   EXPECT_THAT(violations("pipeline/lab/sky/command_sky.cpp", "#include <CLI/CLI.hpp>\n"), IsEmpty());
   EXPECT_THAT(violations("pipeline/lab/sky/sky_options.cpp", "#include <CLI/CLI.hpp>\n"), SizeIs(1));
+  EXPECT_THAT(violations("pipeline/lab/sky/a.cpp", "#include \"estimator/papers/reference_pixel.hpp\"\n"), IsEmpty());
+  EXPECT_THAT(violations("pipeline/show/scene/a.cpp", "#include \"estimator/papers/reference_pixel.hpp\"\n"),
+              SizeIs(1));
   EXPECT_THAT(violations("gles/anteroom/a.cpp", ""), SizeIs(1));
 }
 

@@ -47,6 +47,7 @@ inline const Walls kMayInclude = {
     {"estimator/horizon", {}},
     {"estimator/landmarks", {"estimator/air", "estimator/fusion", "estimator/horizon"}},
     {"estimator/light", {"estimator", "estimator/air", "estimator/horizon", "estimator/sky", "estimator/turbidity"}},
+    {"estimator/papers", {"estimator/turbidity"}},
     {"estimator/passers", {}},
     {"estimator/photograph", {"estimator/air", "estimator/horizon", "estimator/light"}},
     {"estimator/sky", {"estimator", "estimator/air"}},
@@ -142,6 +143,7 @@ inline const Walls kLibraryDoors = {
     {"draco/", {"gles/packed/"}},
     {"drm", {"gles/display/kms_drm"}},
     {"erfa", {"estimator/sky/sun.cpp"}},
+    {"estimator/papers/", {"estimator/papers/", "pipeline/lab/"}},  // not the live path
     {"fontconfig/", {"pipeline/show/stage/text_layout.cpp"}},
     {"gbm.h", {"gles/display/kms_scanout_gbm.cpp"}},
     {"jpeglib.h", {"base/picture_files/"}},

@@ -14,6 +14,7 @@
 #include "calib/colour/spectral_sensitivity.hpp"
 #include "calib/light/radiometry.hpp"
 #include "estimator/air/attenuation.hpp"
+#include "estimator/papers/reference_pixel.hpp"
 #include "estimator/sky/sky_model.hpp"
 #include "estimator/turbidity/solver.hpp"
 #include "estimator/turbidity/turbidity.hpp"

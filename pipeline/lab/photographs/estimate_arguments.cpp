@@ -6,6 +6,7 @@
 #include "base/utc_text.hpp"
 #include "calib/adopt_calibration.hpp"
 #include "calib/foreign_keys.hpp"
+#include "estimator/papers/reference_pixel.hpp"
 #include "pipeline/lab/photographs/sky_model_choice.hpp"
 
 namespace kasumi {
@@ -106,11 +107,10 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
   options.allow_damaged = arguments.allow_damaged;
   options.linear_response = arguments.response == "linear";
   read_sun(arguments, options, problems);
-  options.estimate.method =
-      arguments.method == "reference-pixel" ? EstimateMethod::reference_pixel : EstimateMethod::free_gain;
+  if (arguments.method == "reference-pixel") options.estimate.solve = by_reference_pixel();
   const double altitude_m = options.site ? options.site->altitude_m : arguments.altitude_m.value_or(0.0);
   options.estimate.sky = chosen_sky(arguments, altitude_m, problems);
-  const bool any_model = options.estimate.method == EstimateMethod::free_gain && options.estimate.sky.every_model;
+  const bool any_model = !options.estimate.solve && options.estimate.sky.every_model;
   options.unknown_camera = arguments.response == "auto" || (arguments.response.empty() && any_model);
   if (arguments.response == "auto" && !any_model)
     problems.add("--response auto: needs every model of the sky, expected --sky-model auto and --method free-gain");

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/turbidity/solver.hpp"
+#include "estimator/papers/reference_pixel.hpp"
 #include "tests/estimator/turbidity/ceres_reference.hpp"
 #include "tests/estimator/turbidity/cramer_rao.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"

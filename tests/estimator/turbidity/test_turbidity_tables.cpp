@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "estimator/papers/reference_pixel.hpp"
 #include "tests/estimator/turbidity/estimate_often.hpp"
 #include "tests/figures.hpp"
 
@@ -93,9 +94,8 @@ TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
 TEST(TurbidityTables, TheReferencePixelFormReproducesThePapersErrors) {
   print_head("reference pixel (M Eq 8), no cloud mask");
   EstimateOptions options;
-  options.method = EstimateMethod::reference_pixel;
   options.mask_clouds = false;
-  options.reference.rounds = 12;
+  options.solve = by_reference_pixel({.rounds = 12});
   for (const int t : turbidities({4, 9})) {
     const Row row = estimate_often({.turbidity = static_cast<double>(t)}, options);
     print_row("turbidity-reference-pixel", t, row);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "estimator/papers/reference_pixel.hpp"
 #include "tests/estimator/turbidity/estimate_often.hpp"
 #include "tests/paper/report/section.hpp"
 
@@ -19,9 +20,8 @@ Section turbidity_section(const ReportOptions& options) {
       repeats));
 
   EstimateOptions by_reference;
-  by_reference.method = EstimateMethod::reference_pixel;
   by_reference.mask_clouds = false;
-  by_reference.reference.rounds = 12;
+  by_reference.solve = by_reference_pixel({.rounds = 12});
   std::vector<std::vector<std::string>> rows;
   Series printed{.name = "M Table 1, error of the mean", .marks = true},
       ours{.name = "Kasumi, error of the mean", .marks = true},

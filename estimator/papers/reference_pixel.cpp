@@ -1,13 +1,14 @@
 // The papers' estimate, for their tables: one reference pixel, sum of absolute errors, RANSAC (M Eq 8, M14 Sect 3).
 // Differences: T stays where the sky model is physical, from 1.7 up (M: from 1), and the one-dimensional search is a
 // grid with golden section (M: Levenberg-Marquardt from T = 3, which diverges into the poles below 1.7 when T is 2).
+#include "estimator/papers/reference_pixel.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "estimator/turbidity/perez_log.hpp"
-#include "estimator/turbidity/solver.hpp"
 
 namespace kasumi {
 
@@ -139,6 +140,13 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
   solution.sigma = std::sqrt(squares / (m - 2.0) / information);
   solution.solved = true;
   return solution;
+}
+
+OneModelSolver by_reference_pixel(const ReferencePixelOptions& options) {
+  return [options](std::span<const SkySample> samples) {
+    const auto nearest_to_zenith = std::ranges::min_element(samples, {}, &SkySample::zenith) - samples.begin();
+    return solve_by_reference_pixel(samples, static_cast<std::size_t>(nearest_to_zenith), options);
+  };
 }
 
 }  // namespace kasumi
