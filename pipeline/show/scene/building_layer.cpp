@@ -45,7 +45,8 @@ Result<bool> BuildingLayer::go_on(Renderer& renderer, const std::function<bool()
 Result<> BuildingLayer::update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now) {
   if (auto fitted = fit(renderer, now.detail); !fitted) return fitted;
   if (!unfinished_ && !is_as(now))
-    if (auto begun = begin(renderer, now, appearance_under(now, air, renderer.object_box())); !begun) return begun;
+    if (auto begun = begin(renderer, now, air.appearance(now.scene, renderer.object_box(), now.ground)); !begun)
+      return begun;
   while (unfinished_)
     if (const auto whole = go_on(renderer); !whole) return fail(whole.error());
   return {};

@@ -75,7 +75,7 @@ Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const LayerConditions under{now, detail_for_gles(quality_, layout, now.haze_blur_px), around_.ground()};
   if (auto fitted = layer_.fit(renderer_, under.detail); !fitted) return fitted;
   measured_ = air_.measured(now, renderer_.object_box());
-  return layer_.begin(renderer_, under, appearance_under(under, air_, renderer_.object_box()));
+  return layer_.begin(renderer_, under, air_.appearance(now, renderer_.object_box(), under.ground));
 }
 
 Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {

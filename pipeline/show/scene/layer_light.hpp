@@ -33,7 +33,4 @@ struct LayerAnswer {
 };
 LayerAnswer answer(const LayerQuestion& question);
 
-// With the ground's light.
-ObjectAppearance appearance_under(const LayerConditions& under, const SceneAir& air, const PixelBox& box);
-
 }  // namespace kasumi

@@ -185,7 +185,8 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   return conditions;
 }
 
-ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box) const {
+ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const PixelBox& box,
+                                      const GroundLook& ground) const {
   const Daylight daylight(
       scene(), conditions.air, conditions.sun,
       {conditions.sky, ground_albedo_, altitude_m_, sky_model_, conditions.measured.get(), conditions.past_hills});
@@ -200,6 +201,7 @@ ObjectAppearance SceneAir::appearance(const SceneConditions& conditions, const P
   });
   appearance.aerial_perspective = options_.aerial_perspective;
   appearance.shadows = shadows_;
+  light_ground(appearance, ground);
   return appearance;
 }
 

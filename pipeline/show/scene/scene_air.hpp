@@ -45,8 +45,10 @@ class SceneAir {
   SceneAir(const Installation& installation, SceneAirOptions options);
 
   SceneConditions conditions(const SkyReport& report) const;
-  // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears.
-  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box) const;
+  // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears. With a
+  // ground that was looked at it BLOCKS for some milliseconds.
+  ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box,
+                              const GroundLook& ground = {}) const;
   // Measured light from infinity in the scene camera's linear light, and its saturation; a plain grey of 0.5 while no
   // horizon is known.
   AirlightGrid measured(const SceneConditions& conditions, const PixelBox& box) const;
