@@ -193,8 +193,9 @@ void RenderLoop::read_mailbox() {
   }
   if (auto frame = mailboxes_.render.frames.take()) waiting_ = std::move(*frame);
   if (const auto horizon = mailboxes_.render.horizon.take(); horizon && screen_.is_open())
-    screen_.stage().adopt(*horizon);
-  if (auto layer = mailboxes_.render.layer.take(); layer && screen_.is_open()) screen_.stage().adopt(std::move(*layer));
+    screen_.stage().scene().adopt(*horizon);
+  if (auto layer = mailboxes_.render.layer.take(); layer && screen_.is_open())
+    screen_.stage().scene().adopt(std::move(*layer));
   if (const auto kind = mailboxes_.render.snapshot.take()) snapshots_.request(*kind, content_->config, clock_.now());
   if (waiting_ && waiting_->outages < camera_.outages) waiting_.reset();
 }
@@ -332,28 +333,29 @@ void RenderLoop::present() {
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   const auto* newest = frame ? &*frame : nullptr;
   const auto holder = frame ? frame->holder : nullptr;
-  const auto uploaded_before = screen_.stage().frames().uploaded;
+  const auto uploaded_before = screen_.stage().scene().frames().uploaded;
   const auto on_planes = try_planes(newest, **target);
   if (!on_planes) return handle_screen_fault(on_planes.error());
   auto number = Result<std::uint64_t>(on_planes->number);
   if (on_planes->outcome == PlaneMode::Outcome::compose)
     number = compose(on_planes->taken ? nullptr : newest, **target, holder);
   if (!number) return handle_screen_fault(number.error());
-  status_.uploads += screen_.stage().frames().uploaded - uploaded_before;
+  status_.uploads += screen_.stage().scene().frames().uploaded - uploaded_before;
   shown_at_ = clock_.now();
   if (on_planes->outcome == PlaneMode::Outcome::left_out) return;
 
   snapshots_.told(clock_.now());
   status_.building_drawn = is_building_seen();
-  status_.ground_known = screen_.stage().ground().known;
-  status_.cards = screen_.stage().cards();
+  auto& scene = screen_.stage().scene();
+  status_.ground_known = scene.around().ground().known;
+  status_.cards = scene.air().cards();
   ++status_.pictures;
   if (!frame) return;
-  if (auto question = screen_.stage().take_question()) {
+  if (auto question = scene.around().take_question()) {
     mailboxes_.horizon.question.put(std::move(*question));
     mailboxes_.horizon.bell.ring();
   }
-  if (auto question = screen_.stage().take_layer_question()) {
+  if (auto question = scene.layer().take_question()) {
     mailboxes_.horizon.layer_question.put(std::move(*question));
     mailboxes_.horizon.bell.ring();
   }
@@ -446,7 +448,7 @@ void RenderLoop::publish() {
   status_.latency = latency_.whole();
   screen_.report_planes();
   status_.passers.reset();
-  if (const auto* look = screen_.is_open() ? screen_.stage().passers() : nullptr)
+  if (const auto* look = screen_.is_open() ? screen_.stage().scene().around().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
   status_.page_pictures = snapshots_.page_pictures();
   if (now - minute_began_ >= 1min) {

@@ -60,9 +60,9 @@ bool Screen::open() {
   }
   missing_logged_ = false;
   spdlog::info("display: {}, {}", (*display)->description(), (*display)->context().info().renderer);
-  for (const auto& note : stage->notes()) spdlog::info("display: {}", note);
-  stage->go_live(clock_);
-  stage->adopt(std::exchange(passers_, std::nullopt));
+  for (const auto& note : stage->scene().notes()) spdlog::info("display: {}", note);
+  stage->scene().go_live(clock_);
+  stage->scene().around().adopt(std::exchange(passers_, std::nullopt));
   status_.up = true;
   status_.description = (*display)->description();
   status_.cause.clear();
@@ -109,10 +109,10 @@ Result<> Screen::adopt(const ContentPtr& content, std::optional<Stage> stage) {
       stage = std::move(*made);
     }
     open_->planes = {};
-    auto passers = open_->stage.take_passers();
+    auto passers = open_->stage.scene().around().take_passers();
     open_->stage = std::move(*stage);
-    open_->stage.go_live(clock_);
-    open_->stage.adopt(std::move(passers));
+    open_->stage.scene().go_live(clock_);
+    open_->stage.scene().around().adopt(std::move(passers));
   }
   stage.reset();  // before the context that it belongs to
   content_ = content;
@@ -130,8 +130,8 @@ void Screen::handle_fault(const Fault& fault) {
   status_.up = false;
   status_.cause = fault.message;
   missing_logged_ = true;  // by the warning above
-  air_ = open_->stage.air();
-  passers_ = open_->stage.take_passers();
+  air_ = open_->stage.scene().air();
+  passers_ = open_->stage.scene().around().take_passers();
   open_.reset();
   try_at_ = clock_.now();
 }
@@ -202,7 +202,7 @@ Result<PlaneMode::Attempt> Screen::show_on_planes(std::shared_ptr<const void> un
 
 Result<bool> Screen::drop_lost_buffers() {
   if (!std::exchange(camera_gone_, false)) return false;
-  if (auto dropped = open_->stage.drop_camera_buffers(); !dropped) return fail(dropped.error());
+  if (auto dropped = open_->stage.scene().drop_camera_buffers(); !dropped) return fail(dropped.error());
   return true;
 }
 

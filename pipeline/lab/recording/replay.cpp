@@ -161,7 +161,7 @@ class Run {
     summary_.sky_frames = air_.sky_frames();
     summary_.usable_sky_frames = air_.usable_sky_frames();
     summary_.skipped.merge(std::map(air_.skipped()));
-    summary_.layers_drawn = compositor_.layers_drawn();
+    summary_.layers_drawn = compositor_.layer().drawn();
     summary_.horizon = compositor_.air().horizon().source;
     summary_.horizon_reason = compositor_.air().horizon().reason;
     summary_.notes = compositor_.notes();

@@ -15,7 +15,7 @@ namespace kasumi {
 
 // What the drawn building depends on, besides its background.
 struct BuildingLook {
-  std::uint64_t layer = 0;  // as Compositor::layers_drawn() counts
+  std::uint64_t layer = 0;  // as BuildingLayer::drawn() counts
   AirlightGrid measured;
   SensorNoise noise;
   std::uint64_t passers = 0;  // changes with the outline of those in the picture; 0: none
@@ -71,22 +71,14 @@ class Compositor {
   // redrawn in slices, a few milliseconds of `clock` a picture, while the old one is shown; somebody else measures the
   // horizon, and computes light and air of the layer. `clock` must outlive it.
   void go_live(const Clock& clock) { clock_ = &clock; }
-  // To be answered; once for each.
-  std::optional<HorizonQuestion> take_question() { return around_.take_question(); }
-  std::optional<LayerQuestion> take_layer_question() { return layer_.take_question(); }
   void adopt(const HorizonAnswer& answer);
-  void adopt(LayerAnswer answer) { layer_.adopt(std::move(answer)); }  // one to another question than the last is left
-
-  // Who passes before the building in the picture drawn or taken last; null: nobody is looked for.
-  const PassersLook* passers() const { return around_.passers(); }
-  // What was learnt of the scene, for a compositor that follows this one. It is used where it looks at the same pixels.
-  std::optional<Passers> take_passers() { return around_.take_passers(); }
-  void adopt(std::optional<Passers> passers) { around_.adopt(std::move(passers)); }
+  void adopt(LayerAnswer answer) { layer_.adopt(std::move(answer)); }
 
   const SceneAir& air() const { return air_; }
-  const GroundLook& ground() const { return around_.ground(); }    // as seen last
-  std::optional<CardsLook> cards() const { return air_.cards(); }  // empty: there are none
-  std::uint64_t layers_drawn() const { return layer_.drawn(); }
+  // Each has its question, to be answered by somebody else.
+  BuildingLayer& layer() { return layer_; }
+  SurroundingsWatch& around() { return around_; }
+  const SurroundingsWatch& around() const { return around_; }
   // How frames reached the GPU: copied, or read in the driver's buffers. Such a buffer stays in use until the next
   // frame is drawn and the display has replaced the picture (Display::show() holds it), or until draw_again(). The
   // GPU holds those it has seen until drop_camera_buffers().

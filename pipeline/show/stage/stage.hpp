@@ -30,8 +30,6 @@ class Stage {
   // content. Errors: bad_input (too large for this GL), device, unsupported.
   static Result<Stage> create(GlContext& context, ContentPtr content, std::optional<SceneAir> air = std::nullopt);
 
-  void go_live(const Clock& clock) { compositor_.go_live(clock); }
-
   // Draws the scene, from a new frame or (null) as it was drawn last. Errors: bad_input (the frame has another size:
   // nothing was drawn), device.
   Result<> draw_scene(const SceneFrame* frame, const SkyReport& sky, const DrawTarget& target);
@@ -45,29 +43,11 @@ class Stage {
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
-  // Measurements that another thread is to make in a recent scene, and their results.
-  std::optional<HorizonQuestion> take_question() { return compositor_.take_question(); }
-  std::optional<LayerQuestion> take_layer_question() { return compositor_.take_layer_question(); }
-  const GroundLook& ground() const { return compositor_.ground(); }
-  std::optional<CardsLook> cards() const { return compositor_.cards(); }
-  void adopt(const HorizonAnswer& answer) { compositor_.adopt(answer); }
-  void adopt(LayerAnswer answer) { compositor_.adopt(std::move(answer)); }
-
-  // For when the scene camera is gone. Errors: device.
-  Result<> drop_camera_buffers() { return compositor_.drop_camera_buffers(); }
+  Compositor& scene() { return compositor_; }
+  const Compositor& scene() const { return compositor_; }
 
   // Whether the scene drawn last includes the building.
   bool draws_object() const { return draws_object_; }
-
-  const PassersLook* passers() const { return compositor_.passers(); }
-  // What was learnt of the scene, from the stage before this one.
-  std::optional<Passers> take_passers() { return compositor_.take_passers(); }
-  void adopt(std::optional<Passers> passers) { compositor_.adopt(std::move(passers)); }
-
-  const SceneAir& air() const { return compositor_.air(); }
-  FrameCounts frames() const { return compositor_.frames(); }
-
-  const std::vector<std::string>& notes() const { return compositor_.notes(); }
 
  private:
   friend class StageMaking;

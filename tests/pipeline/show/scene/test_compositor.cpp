@@ -125,7 +125,7 @@ TEST_F(Compositors, ReadALentFrameInPlaceAndDrawTheSameBits) {
   EXPECT_EQ(importing.frames().imported, 1u);
   EXPECT_EQ(importing.frames().uploaded, 0u) << "copies";
   EXPECT_EQ(copying.frames().uploaded, 1u);
-  EXPECT_GE(importing.layers_drawn(), 1u);
+  EXPECT_GE(importing.layer().drawn(), 1u);
 }
 
 TEST_F(Compositors, KeepALentBufferUntilTheNextFrame) {
@@ -217,7 +217,7 @@ TEST_F(Compositors, ShowTheCameraAloneWhileTheSunIsUnknown) {
   for (std::size_t i = 0; i < alone.elements().size(); ++i)
     for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(alone.elements()[i][c] - expected.elements()[i][c]));
   EXPECT_LE(worst, 1) << "steps of 255";
-  EXPECT_EQ(compositor.layers_drawn(), 0u);
+  EXPECT_EQ(compositor.layer().drawn(), 0u);
   EXPECT_EQ(drawn_again(compositor).elements(), alone.elements());
 }
 
@@ -265,16 +265,16 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
   bool go_on(Compositor& live, Frame& frame) {
     frame.metadata.captured_at += std::chrono::seconds(1);
     drawn(live, frame);
-    if (const auto horizon = live.take_question()) {
+    if (const auto horizon = live.around().take_question()) {
       if (horizon->ground) horizon->ground->watch->shade_foot(true);  // else in many answers
       live.adopt(answer(*horizon));
     }
     drawn(live, frame);
-    const auto layer = live.take_layer_question();
+    const auto layer = live.layer().take_question();
     if (!layer) return false;
     live.adopt(answer(*layer));
-    const auto layers = live.layers_drawn();
-    for (int i = 0; i < 500 && live.layers_drawn() == layers; ++i) drawn(live, frame);
+    const auto layers = live.layer().drawn();
+    for (int i = 0; i < 500 && live.layer().drawn() == layers; ++i) drawn(live, frame);
     return true;
   }
   // Until all is known of the frame's ground that can be.
@@ -282,7 +282,7 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
     if (!GetParam()) return;
     for (int quiet = 0, i = 0; i < 100; ++i) {
       quiet = go_on(live, frame) ? 0 : quiet + 1;
-      if (live.ground().sunlight && live.ground().sky && quiet > kLately) return;
+      if (live.around().ground().sunlight && live.around().ground().sky && quiet > kLately) return;
     }
     ADD_FAILURE() << "it asks on and on";
   }
@@ -320,26 +320,26 @@ TEST_P(LiveCompositors, RedrawALayerOverSeveralPictures) {
   Compositor live = make(), at_once = make();
   live.go_live(clock);
   for (auto* compositor : {&live, &at_once}) drawn(*compositor, frame);
-  EXPECT_EQ(live.layers_drawn(), 1u) << "the first, without which there is no building";
-  EXPECT_FALSE(live.take_layer_question());
+  EXPECT_EQ(live.layer().drawn(), 1u) << "the first, without which there is no building";
+  EXPECT_FALSE(live.layer().take_question());
   settle(live, frame);
-  const auto layers = live.layers_drawn();
+  const auto layers = live.layer().drawn();
   report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
   const auto before = drawn(live, frame);
-  const auto question = live.take_layer_question();
+  const auto question = live.layer().take_question();
   ASSERT_TRUE(question);
   for (int i = 0; i < 3; ++i) drawn(live, frame);
-  EXPECT_FALSE(live.take_layer_question()) << "one at a time";
+  EXPECT_FALSE(live.layer().take_question()) << "one at a time";
   live.adopt(answer(*question));
   EXPECT_EQ(drawn(live, frame).elements(), before.elements());
-  EXPECT_EQ(live.layers_drawn(), layers);
+  EXPECT_EQ(live.layer().drawn(), layers);
   int pictures = 1;
-  while (live.layers_drawn() == layers && pictures < 500) drawn(live, frame), ++pictures;
+  while (live.layer().drawn() == layers && pictures < 500) drawn(live, frame), ++pictures;
   EXPECT_GT(pictures, 10) << "the shadow's maps take two slices or more";
-  EXPECT_EQ(live.layers_drawn(), layers + 1);
+  EXPECT_EQ(live.layer().drawn(), layers + 1);
   settle(live, frame);
   expect_same(drawn(live, frame), drawn(at_once, frame));
-  EXPECT_FALSE(live.take_layer_question());
+  EXPECT_FALSE(live.layer().take_question());
 }
 
 TEST_P(LiveCompositors, ChangeTheirDetailTheSameWay) {
@@ -359,14 +359,14 @@ TEST_P(LiveCompositors, ChangeTheirDetailTheSameWay) {
   for (auto* compositor : {&live, &at_once}) drawn(*compositor, with_shared_colour);
   settle(live, with_shared_colour);
   frame.metadata.captured_at = with_shared_colour.metadata.captured_at;
-  const auto layers = live.layers_drawn();
+  const auto layers = live.layer().drawn();
   drawn(live, frame);
-  EXPECT_EQ(live.layers_drawn(), layers);
-  const auto question = live.take_layer_question();
+  EXPECT_EQ(live.layer().drawn(), layers);
+  const auto question = live.layer().take_question();
   ASSERT_TRUE(question);
   live.adopt(answer(*question));
   drawn(live, frame);
-  EXPECT_EQ(live.layers_drawn(), layers + 1) << "by a clock that stands still, in one slice";
+  EXPECT_EQ(live.layer().drawn(), layers + 1) << "by a clock that stands still, in one slice";
   settle(live, frame);
   expect_same(drawn(live, frame), drawn(at_once, frame));
   EXPECT_EQ(live.object_box().left, at_once.object_box().left);
@@ -383,21 +383,21 @@ TEST_P(LiveCompositors, AskForALayerAgain) {
   drawn(live, frame);
   report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
   drawn(live, frame);
-  const auto lost = live.take_layer_question();
+  const auto lost = live.layer().take_question();
   ASSERT_TRUE(lost);
   frame.metadata.captured_at += std::chrono::seconds(10);
   drawn(live, frame);
-  EXPECT_FALSE(live.take_layer_question());
+  EXPECT_FALSE(live.layer().take_question());
   frame.metadata.captured_at += std::chrono::seconds(11);
   drawn(live, frame);
-  const auto again = live.take_layer_question();
+  const auto again = live.layer().take_question();
   ASSERT_TRUE(again);
   live.adopt(answer(*lost));
   drawn(live, frame);
-  EXPECT_EQ(live.layers_drawn(), 1u) << "an answer to an earlier question";
+  EXPECT_EQ(live.layer().drawn(), 1u) << "an answer to an earlier question";
   live.adopt(answer(*again));
   drawn(live, frame);
-  EXPECT_EQ(live.layers_drawn(), 2u);
+  EXPECT_EQ(live.layer().drawn(), 2u);
 }
 
 TEST_P(LiveCompositors, LetSomebodyElseMeasureTheHorizon) {
@@ -412,12 +412,12 @@ TEST_P(LiveCompositors, LetSomebodyElseMeasureTheHorizon) {
   later.metadata.captured_at += std::chrono::seconds(2);
   const auto later_copy = copied(later);
   for (auto* compositor : {&live, &at_once}) drawn(*compositor, copied(frame));
-  EXPECT_FALSE(live.take_question()) << "the first picture needs its own";
+  EXPECT_FALSE(live.around().take_question()) << "the first picture needs its own";
 
   const auto waiting = drawn(live, later);
-  const auto question = live.take_question();
+  const auto question = live.around().take_question();
   ASSERT_TRUE(question);
-  EXPECT_FALSE(live.take_question());
+  EXPECT_FALSE(live.around().take_question());
   const auto expected = drawn(at_once, later_copy);
   EXPECT_NE(waiting.elements(), expected.elements()) << "nothing was measured yet";
   later = {};
@@ -523,7 +523,7 @@ TEST_P(GroundOfCompositors, GivesTheSamePictureAfterARestart) {
   }
   lit.metadata.captured_at = now += std::chrono::minutes(10);
   drawn(before, lit);
-  const auto asked = before.take_question();
+  const auto asked = before.around().take_question();
   ASSERT_TRUE(asked && asked->ground);
   const LearntGround learnt = asked->ground->watch->learnt();
   before.adopt(answer(*asked));
@@ -536,7 +536,7 @@ TEST_P(GroundOfCompositors, GivesTheSamePictureAfterARestart) {
     drawn(live, lit);
     lit.metadata.captured_at += std::chrono::seconds(2);
     drawn(live, lit);
-    const auto question = live.take_question();
+    const auto question = live.around().take_question();
     EXPECT_TRUE(question && question->ground);
     if (with_what_was_learnt) {
       EXPECT_TRUE(question->ground->watch->resume(learnt, 2.0));
@@ -577,10 +577,10 @@ TEST_F(Compositors, KeepWhoPassesInFrontWhereThatIsAskedFor) {
   for (int second = 0; second < kLearnt_s; ++second) {
     drawn(behind, picture_at(second));
     if (second == 10) {
-      ASSERT_EQ(behind.passers()->state, PassersState::learning);
+      ASSERT_EQ(behind.around().passers()->state, PassersState::learning);
     }
   }
-  ASSERT_EQ(behind.passers()->state, PassersState::watching);
+  ASSERT_EQ(behind.around().passers()->state, PassersState::watching);
   drawn(behind, picture_at(kLearnt_s));
   EXPECT_EQ(behind.look()->passers, 0U);
 
@@ -588,7 +588,7 @@ TEST_F(Compositors, KeepWhoPassesInFrontWhereThatIsAskedFor) {
   const glm::ivec2 at{(box.left + box.right) / 2 - 8, (box.top + box.bottom) / 2 - 20};
   const Frame somebody = picture_at(kLearnt_s + 1, at);
   const auto painted = drawn(over, somebody), kept = drawn(behind, somebody);
-  EXPECT_EQ(over.passers(), nullptr);
+  EXPECT_EQ(over.around().passers(), nullptr);
   EXPECT_NE(behind.look()->passers, 0U);
   const Image<Rgb8> camera = to_rgb(decode(somebody, YuvEncoding::bt601_full)->view());
   int painted_over = 0, lost = 0;
