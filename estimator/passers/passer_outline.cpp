@@ -6,6 +6,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace kasumi {
 namespace {
@@ -22,64 +23,33 @@ constexpr float kMore = 1.1F, kMoreOffset = 0.06F;  // prefer a halo to a clippe
 
 using Mask = Image<std::uint8_t>;
 
-// Of pixels within `reach`, in rows and then in columns: the greatest or the least.
-Mask extreme(const Mask& mask, int reach, bool greatest) {
-  const auto pass = [&](const Mask& from, bool rows) {
-    Mask to(from.width(), from.height());
-    for (int y = 0; y < from.height(); ++y)
-      for (int x = 0; x < from.width(); ++x) {
-        std::uint8_t best = from.at(x, y);
-        for (int d = -reach; d <= reach; ++d) {
-          const int u = std::clamp(rows ? x + d : x, 0, from.width() - 1);
-          const int v = std::clamp(rows ? y : y + d, 0, from.height() - 1);
-          best = greatest ? std::max(best, from.at(u, v)) : std::min(best, from.at(u, v));
-        }
-        to.at(x, y) = best;
-      }
-    return to;
-  };
-  return pass(pass(mask, true), false);
+cv::Mat mat_of(Mask& mask) {
+  return {mask.height(), mask.width(), CV_8U, mask.elements().data()};
+}
+
+cv::Mat square(int reach) {
+  return cv::getStructuringElement(cv::MORPH_RECT, {2 * reach + 1, 2 * reach + 1});
 }
 
 // What cannot be reached from the border without crossing the mask belongs to it.
-void fill(Mask& mask) {
-  const int w = mask.width(), h = mask.height();
-  Mask outside(w, h, 0);
-  std::vector<glm::ivec2> open;
-  const auto reach = [&](int x, int y) {
-    if (!mask.contains(x, y) || mask.at(x, y) || outside.at(x, y)) return;
-    outside.at(x, y) = 1;
-    open.push_back({x, y});
-  };
-  for (int x = 0; x < w; ++x) reach(x, 0), reach(x, h - 1);
-  for (int y = 0; y < h; ++y) reach(0, y), reach(w - 1, y);
-  while (!open.empty()) {
-    const auto at = open.back();
-    open.pop_back();
-    reach(at.x - 1, at.y), reach(at.x + 1, at.y), reach(at.x, at.y - 1), reach(at.x, at.y + 1);
-  }
-  for (std::size_t i = 0; i < mask.elements().size(); ++i)
-    if (!outside.elements()[i]) mask.elements()[i] = 1;
+void fill(cv::Mat& mask) {
+  cv::Mat padded;
+  cv::copyMakeBorder(mask, padded, 1, 1, 1, 1, cv::BORDER_CONSTANT, 0);
+  cv::floodFill(padded, {0, 0}, 2);
+  cv::Mat(padded(cv::Rect(1, 1, mask.cols, mask.rows)) != 2).copyTo(mask);
 }
 
 // Leaves the islands that a covered cell touches.
-void keep_touching(Mask& mask, const Mask& touched) {
-  Mask kept(mask.width(), mask.height(), 0);
-  std::vector<glm::ivec2> open;
-  const auto reach = [&](int x, int y) {
-    if (!mask.contains(x, y) || !mask.at(x, y) || kept.at(x, y)) return;
-    kept.at(x, y) = 1;
-    open.push_back({x, y});
-  };
-  for (int y = 0; y < mask.height(); ++y)
-    for (int x = 0; x < mask.width(); ++x)
-      if (touched.at(x, y)) reach(x, y);
-  while (!open.empty()) {
-    const auto at = open.back();
-    open.pop_back();
-    for (int d = 0; d < 9; ++d) reach(at.x + d % 3 - 1, at.y + d / 3 - 1);
-  }
-  mask = std::move(kept);
+void keep_touching(cv::Mat& mask, const Mask& touched) {
+  cv::Mat islands;
+  std::vector<std::uint8_t> kept(static_cast<std::size_t>(cv::connectedComponents(mask, islands)), 0);
+  const auto island = [&](int x, int y) { return static_cast<std::size_t>(islands.at<int>(y, x)); };
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x)
+      if (touched.at(x, y)) kept[island(x, y)] = 1;
+  kept[0] = 0;  // what is no island
+  for (int y = 0; y < mask.rows; ++y)
+    for (int x = 0; x < mask.cols; ++x) mask.at<std::uint8_t>(y, x) = kept[island(x, y)];
 }
 
 glm::u8vec3 encoded(const glm::vec3& yuv, const YuvToRgb& conversion) {
@@ -148,10 +118,13 @@ PassersInFront outline_of(const PicturePart& picture, const ExpectedScene& expec
       const float colour2 = (sum.y * sum.y + sum.z * sum.z) / (kColourDiffers * kColourDiffers);
       if (sum.x * sum.x + colour2 > least * least || square > 9.0F * texture * texture) front.at(x, y) = 1;
     }
-  front = extreme(extreme(front, kClose_px, true), kClose_px, false);
-  fill(front);
-  keep_touching(front, touched);
-  const Mask inner = extreme(front, 1, false), outer = extreme(front, 1, true);
+  Mask inner(w, h), outer(w, h);
+  cv::Mat front_mat = mat_of(front), inner_mat = mat_of(inner), outer_mat = mat_of(outer);
+  cv::morphologyEx(front_mat, front_mat, cv::MORPH_CLOSE, square(kClose_px));
+  fill(front_mat);
+  keep_touching(front_mat, touched);
+  cv::erode(front_mat, inner_mat, square(1));
+  cv::dilate(front_mat, outer_mat, square(1));
 
   PassersInFront made;
   made.left = place.left + x0 - 1;

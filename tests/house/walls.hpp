@@ -167,6 +167,7 @@ inline const Walls kLibraryDoors = {
       "estimator/cloud_cover/",
       "estimator/haze/",
       "estimator/horizon/",
+      "estimator/passers/passer_outline.cpp",
       "estimator/photograph/",
       "estimator/sky_camera/",
       "estimator/turbidity/",
