@@ -114,7 +114,7 @@ inline const Walls kMayInclude = {
     {"fixtures/generator",
      {"fixtures/in_front", "fixtures/landscape", "fixtures/light", "fixtures/model", "fixtures/noise",
       "fixtures/spectrum"}},
-    {"fixtures/in_front", {"fixtures/landscape", "fixtures/light", "fixtures/noise", "fixtures/spectrum"}},
+    {"fixtures/in_front", {"fixtures/noise"}},
     {"fixtures/landscape", {"fixtures/light", "fixtures/model", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/light", {"fixtures/aerosol", "fixtures/atmosphere", "fixtures/noise", "fixtures/spectrum"}},
     {"fixtures/model", {}},

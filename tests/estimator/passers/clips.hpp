@@ -6,7 +6,7 @@
 
 #include "capture/codec/encode.hpp"
 #include "estimator/passers/passers.hpp"
-#include "fixtures/in_front/lit_land.hpp"
+#include "tests/fixtures/in_front/lit_land.hpp"
 
 namespace kasumi {
 

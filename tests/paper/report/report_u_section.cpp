@@ -5,7 +5,7 @@
 
 #include "base/units.hpp"
 #include "fixtures/atmosphere/profile.hpp"
-#include "fixtures/atmosphere/transmittance.hpp"
+#include "tests/fixtures/atmosphere/transmittance.hpp"
 #include "tests/paper/report/section.hpp"
 
 namespace kasumi::paper {
