@@ -19,6 +19,7 @@ constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to c
 constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
+constexpr Duration kRenderStatusInterval = 500ms;
 constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
 constexpr Duration kHangRestart = 60s;  // a camera's loop hangs for so long: restart
 // For a coming stage, after each look for a picture: as long as the picture took, within these bounds. One that took
@@ -70,9 +71,9 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       ladder_(content_->config.ladder),
       screen_(content_, devices, clock, watchdog_, status_.display),
       started_(clock.now()),
-      report_(mailboxes, clock.now()),
       snapshots_(mailboxes.snapshot),
       shown_at_(clock.now()),
+      minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
               &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse, &mailboxes.status->pulse,
               &mailboxes.reload.pulse}) {
@@ -291,7 +292,7 @@ void RenderLoop::handle_screen_fault(const Fault& fault) {
   answer(next_.lose());
   screen_.handle_fault(fault);
   status_.building_drawn = false;
-  report_.latency().forget_pending();
+  latency_.forget_pending();
 }
 
 // Asleep once the screen has faded to black; at the start not before it is known whether it is open.
@@ -423,7 +424,7 @@ void RenderLoop::refuse(const Fault& why) {
 void RenderLoop::record_flips() {
   if (!screen_.is_open()) return;
   for (const auto& flip : screen_.take_flips()) {
-    report_.latency().flipped(flip.number, flip.at);
+    latency_.flipped(flip.number, flip.at);
     watchdog_.picture_shown(clock_.now());
   }
 }
@@ -435,7 +436,7 @@ void RenderLoop::finish() {
   screen_.close();
   status_.rung.shown = Shown::nothing;
   status_.rung.trouble = screen_.refused().empty() ? Trouble::stopped : Trouble::starting;
-  report_.hasten();
+  published_at_.reset();
   publish();
 }
 

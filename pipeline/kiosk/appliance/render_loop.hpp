@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pipeline/kiosk/appliance/next_stage.hpp"
-#include "pipeline/kiosk/appliance/render_report.hpp"
 #include "pipeline/kiosk/appliance/screen.hpp"
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
@@ -92,11 +91,13 @@ class RenderLoop {
   std::optional<bool> television_on_;  // as it was last told to be
   int refused_in_a_row_ = 0;           // frames that could not be drawn
 
-  RenderReport report_;
+  LatencyWatch latency_;
   SnapshotDesk snapshots_;
   std::optional<Composition> shown_;
   Instant turned_;  // when the present step began
   Instant shown_at_;
+  std::optional<Instant> published_at_;
+  Instant minute_began_;
   HangWatch hangs_;  // the other loops
 };
 
