@@ -224,7 +224,7 @@ void report(const SeriesPictures& series, const SeenSuns& suns, const SkyCameraF
         std::exp(light.belief.log_exponent), std::exp(light.belief.log_exponent) * light.belief.sigma_log_exponent,
         1.0 - std::exp(-light.rim_loss), std::exp(-light.rim_loss) * light.sigma_rim_loss, light.pictures);
   else
-    fmt::print("tone curve: no clear sky determines it; sRGB is assumed\n");
+    fmt::print("tone curve: no clear sky determines it; sRGB is supposed\n");
   if (used < 3)
     fmt::print("{} sun{}: that determines the heading, and little else; pictures of other hours determine the rest\n",
                used, used == 1 ? "" : "s");

@@ -141,7 +141,7 @@ std::optional<double> exponent_of(const Photograph& first, const OtherAirOptions
     const auto supposed = setup.from_haze       ? std::string("grey haze")
                           : air.aerosol_known() ? fmt::format("an exponent of {:.1f}", air.aerosol().angstrom_exponent)
                                                 : std::string("the papers' haze");
-    fmt::print("haze: {} is assumed, the picture does not determine its exponent ({})\n", supposed, colour.reason);
+    fmt::print("haze: {} is supposed, the picture does not determine its exponent ({})\n", supposed, colour.reason);
     return std::nullopt;
   }
   const double exponent = aerosol_exponent(colour, air);
