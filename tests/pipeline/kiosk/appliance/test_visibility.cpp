@@ -103,9 +103,8 @@ TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   const std::string sky =
       in_folder("sky.png") + " --circle 199.5,199.5,200 --sun-zenith-deg 58.4 --sun-azimuth-deg 180 --response srgb";
   const auto alone = run_kasumi("estimate --json " + sky);
-  const auto same = ended(0, run_kasumi(estimate_command("scenes/1.png") + sky),
-                          other = run_kasumi(estimate_command("scenes/2.png") + sky));
-  ASSERT_EQ(other.code, 0) << other.err;
+  const auto same = ended(0, run_kasumi(estimate_command("scenes/1.png") + sky)),
+             other = ended(0, run_kasumi(estimate_command("scenes/2.png") + sky));
   auto json = nlohmann::json::parse(same.out);
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "agrees") << json["landmarks"]["sky"].dump();
   EXPECT_LT(json["landmarks"]["sky"]["sigmas"].get<double>(), 1.0);

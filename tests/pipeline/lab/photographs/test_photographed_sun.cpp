@@ -38,7 +38,7 @@ SkyPhotographReport looked_at(const fixtures::SkyRecipe& recipe, double zenith_d
   options.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
   options.sun = direction_from(from_degrees(zenith_deg), from_degrees(azimuth_deg));
   if (azimuth_up_deg) options.azimuth_up = from_degrees(*azimuth_up_deg);
-  auto report = SkyPhotographs(options).estimate_from(alpnach::file(exposure), std::nullopt);
+  auto report = SkyPhotographs(options).estimate_from(file, std::nullopt);
   if (!report) ADD_FAILURE() << report.error().message;
   return report.value_or(SkyPhotographReport{});
 }
