@@ -4,12 +4,14 @@
 #include <sstream>
 
 #include "base/finite_number.hpp"
+#include "calib/lens/choose_camera.hpp"
 #include "calib/lens/foreign_formats.hpp"
 
 namespace kasumi {
 namespace {
 
 struct ColmapLine {
+  std::string id;
   std::string model;
   std::vector<double> numbers;  // width, height, parameters
 };
@@ -20,9 +22,9 @@ std::vector<ColmapLine> colmap_lines(const std::string& text) {
   for (std::string line; std::getline(stream, line);) {
     if (line.empty() || line[0] == '#') continue;
     std::istringstream words(line);
-    std::string id, token;
+    std::string token;
     ColmapLine found;
-    if (!(words >> id >> found.model) || !finite_number(id) || finite_number(found.model)) return {};
+    if (!(words >> found.id >> found.model) || !finite_number(found.id) || finite_number(found.model)) return {};
     while (words >> token) {
       const auto number = finite_number(token);
       if (!number) return {};
@@ -54,7 +56,7 @@ bool is_colmap(const std::string& text) {
   return !lines.empty();
 }
 
-Result<ForeignLens> read_colmap_lens(const std::string& text) {
+Result<ForeignLens> read_colmap_lens(const std::string& text, const ImportQuestions& questions) {
   static const std::map<std::string, std::size_t> kParameters{{"SIMPLE_PINHOLE", 3},
                                                               {"PINHOLE", 4},
                                                               {"SIMPLE_RADIAL", 4},
@@ -67,8 +69,12 @@ Result<ForeignLens> read_colmap_lens(const std::string& text) {
                                                               {"RADIAL_FISHEYE", 5},
                                                               {"THIN_PRISM_FISHEYE", 12}};
   const auto lines = colmap_lines(text);
-  if (lines.size() != 1) return fail(FaultKind::bad_input, "{} cameras: expected a cameras.txt of one", lines.size());
-  const auto& [model, n] = lines[0];
+  std::vector<FileCamera> cameras;
+  for (const auto& line : lines)
+    cameras.push_back({{line.id}, fmt::format("{}, {:g} x {:g}", line.model, line.numbers[0], line.numbers[1])});
+  const auto chosen = choose_camera(cameras, questions.camera);
+  if (!chosen) return fail(chosen.error());
+  const auto& [id, model, n] = lines[*chosen];
   const auto known = kParameters.find(model);
   if (known == kParameters.end())
     return fail(FaultKind::bad_input, "model {}: expected one of COLMAP's, SIMPLE_PINHOLE to THIN_PRISM_FISHEYE",

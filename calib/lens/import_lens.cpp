@@ -22,9 +22,11 @@ bool is_ocamcalib(const std::string& text) {
 }
 
 Result<ForeignLens> read_foreign(const std::string& text, ImportQuestions& questions) {
+  if (!questions.camera.empty() && !is_colmap(text) && !is_kalibr(text))
+    return fail(FaultKind::bad_input, "--import-camera {}: has no effect: the file is of one camera", questions.camera);
   if (is_agisoft(text)) return read_agisoft_lens(text);
   if (is_hugin(text)) return read_hugin_lens(text);
-  if (is_colmap(text)) return read_colmap_lens(text);
+  if (is_colmap(text)) return read_colmap_lens(text, questions);
   return read_keyed_lens(text, questions);
 }
 
@@ -39,6 +41,8 @@ Result<ImportedLens> import_lens(const std::filesystem::path& path, const Import
                 kLargestFile);
   const auto largest = options.largest_angle.value_or(from_degrees(90.0));
   if (is_ocamcalib(*text)) {
+    if (!options.camera.empty())
+      return fail(FaultKind::bad_input, "--import-camera {}: has no effect: {} is of one camera", options.camera, name);
     if (options.model != "auto" && options.model != "scaramuzza")
       return fail(FaultKind::bad_input, "--model {}: expected scaramuzza, as {} is OCamCalib's", options.model, name);
     auto model = read_ocamcalib(path);
@@ -51,7 +55,7 @@ Result<ImportedLens> import_lens(const std::filesystem::path& path, const Import
     imported.lens.largest_angle = largest;
     return imported;
   }
-  ImportQuestions questions{options.model, false};
+  ImportQuestions questions{options.model, options.camera, false};
   const auto foreign = read_foreign(*text, questions);
   if (!foreign) {
     Problems named;

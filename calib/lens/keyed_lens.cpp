@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
 
+#include "calib/lens/choose_camera.hpp"
 #include "calib/lens/foreign_formats.hpp"
 #include "calib/lens/key_file.hpp"
 
@@ -184,12 +185,31 @@ void set_extended_unified(ForeignLens& lens, const SensorMatrix& matrix, double 
   };
 }
 
+// Of a camchain: cam0, cam1, ...
+std::vector<FileCamera> kalibr_cameras(const KeyFile& file) {
+  std::vector<FileCamera> cameras;
+  for (std::string name = "cam0"; file.has(name + ".intrinsics"); name = fmt::format("cam{}", cameras.size())) {
+    const auto camera = file.text({"camera_model"}, name + ".").value_or(""),
+               bent = file.text({"distortion_model"}, name + ".").value_or("none"),
+               topic = file.text({"rostopic"}, name + ".").value_or("");
+    FileCamera found{{name, name.substr(3)}, fmt::format("{}-{}", camera, bent)};
+    if (!topic.empty()) {
+      found.names.push_back(topic);
+      found.words += ", " + topic;
+    }
+    cameras.push_back(std::move(found));
+  }
+  return cameras;
+}
+
 // Kalibr: camera_model, intrinsics, distortion_model, distortion_coeffs of each camera.
-Result<ForeignLens> read_kalibr(const KeyFile& file) {
-  const std::string at = "cam0.";
+Result<ForeignLens> read_kalibr(const KeyFile& file, const std::string& wanted) {
+  const auto cameras = kalibr_cameras(file);
+  const auto chosen = choose_camera(cameras, wanted);
+  if (!chosen) return fail(chosen.error());
+  const std::string at = cameras[*chosen].names.front() + ".";
   Problems problems;
   ForeignLens lens{"Kalibr", "", 0, 0, {}, {}, false, {}};
-  if (file.has("cam1.intrinsics")) problems.add("several cameras: expected a file of one");
   read_size(file, at, lens, problems);
   const auto camera = file.text({"camera_model"}, at).value_or(""),
              bent = file.text({"distortion_model"}, at).value_or("none");
@@ -214,7 +234,14 @@ Result<ForeignLens> read_kalibr(const KeyFile& file) {
     problems.add("distortion_coeffs: expected one number of fov, 0 to 3");
   if ((distortion == NamedModel::fisheye || distortion == NamedModel::brown) && d.size() != 4)
     problems.add("distortion_coeffs: {} numbers, expected 4", d.size());
-  for (const auto& key : file.unread(kHarmless)) problems.add("{}: not a key whose meaning is known here", key);
+  const auto of_another = [&](const std::string& key) {
+    return std::ranges::any_of(cameras, [&](const FileCamera& other) {
+      const auto its = other.names.front() + ".";
+      return its != at && key.starts_with(its);
+    });
+  };
+  for (const auto& key : file.unread(kHarmless))
+    if (!of_another(key)) problems.add("{}: not a key whose meaning is known here", key);
   if (!problems.empty()) return fail(problems.fault());
   const SensorMatrix matrix{n[extra], n[extra + 1], n[extra + 2], n[extra + 3], 0.0};
   switch (camera_model) {
@@ -270,10 +297,15 @@ NamedModel model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, 
 
 }  // namespace
 
+bool is_kalibr(const std::string& text) {
+  const auto file = KeyFile::parse(text);
+  return file && file->has("cam0.intrinsics");
+}
+
 Result<ForeignLens> read_keyed_lens(const std::string& text, ImportQuestions& questions) {
   const auto file = KeyFile::parse(text);
   if (!file) return fail(file.error());
-  if (file->has("cam0.intrinsics")) return read_kalibr(*file);
+  if (file->has("cam0.intrinsics")) return read_kalibr(*file, questions.camera);
   Problems problems;
   ForeignLens lens{program_of(*file), "", 0, 0, {}, {}, false, {}};
   auto matrix = matrix_of(*file, kNone, problems);

@@ -28,6 +28,7 @@ struct LensArguments {
   double seconds = 0.0;
   BoardOptions board;
   std::string import_file;
+  std::string import_camera;
   std::string camera = "sky";
   std::string serial;
   std::string model = "auto";
@@ -203,7 +204,7 @@ void print_landing(const ImportedLens& imported) {
 }
 
 Result<int> import(const LensArguments& arguments) {
-  ImportOptions options{arguments.model, {}};
+  ImportOptions options{arguments.model, {}, arguments.import_camera};
   if (arguments.largest_angle_deg) options.largest_angle = from_degrees(*arguments.largest_angle_deg);
   const auto imported = import_lens(arguments.import_file, options);
   if (!imported) return fail(imported.error());
@@ -233,6 +234,8 @@ Result<int> calibrate(const LensArguments& arguments) {
   const bool importing = !arguments.import_file.empty();
   const auto board = importing ? AnyBoard() : read_board(arguments.board, false, problems);
   const bool running = !arguments.config.empty() || !arguments.live.empty();
+  if (!importing && !arguments.import_camera.empty())
+    problems.add("--import-camera {}: has no effect without --import", arguments.import_camera);
   for (const auto& option : arguments.without_effect)
     if (importing) problems.add("{}: has no effect with --import", option);
   if (importing && !arguments.pictures.empty())
@@ -275,6 +278,8 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
   command->add_option(
       "--import", a.import_file,
       "Import a calibration of OpenCV, ROS, Kalibr, ORB-SLAM, COLMAP, Agisoft, Hugin or OCamCalib instead");
+  command->add_option("--import-camera", a.import_camera,
+                      "Which camera of that file, where Kalibr or COLMAP wrote several: by name or number");
   command->add_option("--config", a.config, "Take pictures live from the camera in this kasumi.toml instead");
   command->add_option("--live", a.live, "Take pictures live from this Video4Linux device or recording instead");
   command->add_option("--size", a.size, "Size of the device's pictures")->type_name("WIDTHxHEIGHT");
@@ -297,7 +302,8 @@ void add_calibrate_lens(CLI::App& calibrate_command, Action& action) {
       ->check(CLI::Range(1.0, 180.0));
   command->add_option("--out", a.out, "The calibration file; an older one is kept as a backup")->required();
   command->callback([arguments, command, &action] {
-    const std::set<std::string> used{"--import", "--camera", "--serial", "--model", "--largest-angle-deg", "--out"};
+    const std::set<std::string> used{"--import", "--import-camera",     "--camera", "--serial",
+                                     "--model",  "--largest-angle-deg", "--out"};
     for (const auto* option : command->get_options())
       if (option->count() > 0 && !option->get_positional() && !used.contains(option->get_name()))
         arguments->without_effect.push_back(option->get_name());

@@ -237,6 +237,44 @@ TEST(ForeignLens, ColmapsCamerasCountFromTheCorner) {
   EXPECT_THAT(refusal_of("1 PINHOLE 9 9 5 5 4 4\n2 PINHOLE 9 9 5 5 4 4\n"), HasSubstr("2 cameras"));
 }
 
+// Each is read as if it stood alone, and a file of several is not guessed at.
+TEST(ForeignLens, OneOfSeveralCamerasIsChosenByNameOrNumber) {
+  const auto camera = [](int number, const std::string& bent, const std::string& d) {
+    return fmt::format(
+        "cam{0}:\n  cam_overlaps: [{1}]\n  camera_model: pinhole\n  distortion_coeffs: [{2}]\n  distortion_model: {3}\n"
+        "  intrinsics: [450.5, 452.0, 801.25, 748.5]\n  resolution: [1600, 1500]\n  rostopic: /eye{0}/image_raw\n"
+        "  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, 0.1]\n  - [0.0, 1.0, 0.0, 0.2]\n  timeshift_cam_imu: 0.01\n",
+        number, 1 - number, d, bent);
+  };
+  const auto chain =
+      camera(0, "radtan", "-0.05, 0.008, 0.001, -0.0005") + camera(1, "equidistant", "0.02, -0.01, 0.003, -0.0005");
+  EXPECT_THAT(refusal_of(chain),
+              AllOf(HasSubstr("lens.any: 2 cameras: expected --import-camera with one of "),
+                    HasSubstr("cam0 (pinhole-radtan, /eye0/image_raw), cam1 (pinhole-equidistant, /eye1/image_raw)")));
+  for (const char* name : {"cam1", "1", "/eye1/image_raw"})
+    expect_projection(imported_from(chain, {.camera = name}), "Kalibr", by_opencv_fisheye(0.0));
+  expect_projection(imported_from(chain, {.camera = "cam0"}), "Kalibr",
+                    by_opencv_pinhole({-0.05, 0.008, 0.001, -0.0005}), {0.0, 30.0, 55.0});
+  EXPECT_THAT(refusal_of(chain, {.camera = "2"}), HasSubstr("--import-camera 2: expected one of cam0 (pinhole"));
+  EXPECT_THAT(refusal_of(chain + "cam0_extra: 3\n", {.camera = "0"}), HasSubstr("cam0_extra: not a key"));
+
+  const std::string cameras =
+      "# Camera list\n1 OPENCV_FISHEYE 1600 1500 450.5 452 801.25 748.5 0.02 -0.01 0.003 -0.0005\n"
+      "7 OPENCV 800 600 450.5 452 801.25 748.5 -0.05 0.008 0.001 -0.0005\n";
+  EXPECT_THAT(refusal_of(cameras), HasSubstr("one of 1 (OPENCV_FISHEYE, 1600 x 1500), 7 (OPENCV, 800 x 600)"));
+  EXPECT_THAT(refusal_of(cameras, {.camera = "2"}), HasSubstr("--import-camera 2: expected one of 1 ("));
+  const auto seventh = imported_from(cameras, {.camera = "7"});
+  expect_projection(seventh, "COLMAP",
+                    [](double theta, double phi) {
+                      return by_opencv_pinhole({-0.05, 0.008, 0.001, -0.0005})(theta, phi) - glm::dvec2(0.5);
+                    },
+                    {0.0, 30.0, 55.0});
+  EXPECT_EQ(seventh ? seventh->width : 0, 800);
+  EXPECT_THAT(
+      refusal_of(kHead + kMatrix + opencv_matrix("distortion_coefficients", {0, 0, 0, 0, 0}, 5), {.camera = "1"}),
+      HasSubstr("--import-camera 1: has no effect: the file is of one camera"));
+}
+
 TEST(ForeignLens, AgisoftsCalibration) {
   const auto text = [](const std::string& projection, const std::string& more) {
     return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<calibration>\n  <projection>" + projection +
