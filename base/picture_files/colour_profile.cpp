@@ -1,9 +1,9 @@
 #include "base/picture_files/colour_profile.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
-#include <vector>
 
 #include <lcms2.h>
 #include <opencv2/imgproc.hpp>
@@ -83,6 +83,18 @@ std::string profile_to_srgb(cv::Mat& picture, std::span<const std::uint8_t> byte
   }
   picture = clamped;
   return {};
+}
+
+std::vector<std::uint8_t> profile_of_srgb() {
+  const ProfilePtr srgb(cmsCreate_sRGBProfile());
+  cmsUInt32Number size = 0;
+  if (!srgb || !cmsSaveProfileToMem(srgb.get(), nullptr, &size)) return {};
+  std::vector<std::uint8_t> bytes(size);
+  if (!cmsSaveProfileToMem(srgb.get(), bytes.data(), &size)) return {};
+  // The same bytes every time: lcms2 notes when it was made (ICC.1, 7.2.8).
+  constexpr std::array<std::uint8_t, 12> kWhen{0x07, 0xd0, 0, 1, 0, 1};
+  if (bytes.size() > 36) std::ranges::copy(kWhen, bytes.begin() + 24);
+  return bytes;
 }
 
 }  // namespace kasumi

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -13,5 +14,7 @@ namespace kasumi {
 // floats of 0..1, grey becomes R G B, alpha stays. Unchanged where the profile is sRGB's to half a step of 255, and
 // where it is of floats, which are light. Returns what is wrong; empty: nothing.
 std::string profile_to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile);
+
+std::vector<std::uint8_t> profile_of_srgb();  // empty: none can be made
 
 }  // namespace kasumi

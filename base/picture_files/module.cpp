@@ -62,6 +62,7 @@ class OpenCvFiles final : public RareFiles {
   std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const override {
     return profile_to_srgb(picture, profile);
   }
+  std::vector<std::uint8_t> srgb_profile() const override { return profile_of_srgb(); }
   bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const override {
     setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);  // OpenCV writes EXR only when this variable is set
     return cv::imencode(ending, bgr, file);

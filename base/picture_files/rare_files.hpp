@@ -41,6 +41,8 @@ class RareFiles {
   virtual cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const = 0;
   // From an ICC profile's colours to sRGB (colour_profile.hpp). What is wrong; empty: nothing.
   virtual std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const = 0;
+  // sRGB's, as ICC profile.
+  virtual std::vector<std::uint8_t> srgb_profile() const = 0;
   // By the name's ending, ".tiff"; false: not one that can be written.
   virtual bool encode(const std::string& ending, const cv::Mat& bgr, std::vector<std::uint8_t>& file) const = 0;
   // Null: cannot be opened.

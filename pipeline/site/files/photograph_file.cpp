@@ -60,6 +60,44 @@ Image<glm::vec<3, T>> rounded(const Image<glm::vec3>& encoded, float largest) {
   return picture;
 }
 
+// The TIFF with an ICC profile. OpenCV writes none: its directory of tags is written once more at the end, with one more.
+std::vector<std::uint8_t> with_profile(std::vector<std::uint8_t> tiff, const std::vector<std::uint8_t>& profile) {
+  constexpr std::size_t kEntry = 12;
+  constexpr std::uint16_t kProfileTag = 34675, kUndefined = 7;
+  const auto read = [&](std::size_t at, int bytes) {
+    std::size_t value = 0;
+    for (int i = 0; i < bytes; ++i) value |= std::size_t{tiff[at + static_cast<std::size_t>(i)]} << 8 * i;
+    return value;
+  };
+  const bool plain = tiff.size() > 8 && read(0, 4) == 0x002a4949;  // "II", little-endian, not BigTIFF
+  const std::size_t from = plain ? read(4, 4) : 0, count = plain && from + 2 <= tiff.size() ? read(from, 2) : 0;
+  const std::size_t to = from + 2 + kEntry * count;
+  if (profile.empty() || count == 0 || to + 4 > tiff.size() || read(to, 4) != 0) return tiff;
+  std::size_t before = from + 2;  // the entries that come first: they are in the order of their tags
+  while (before < to && read(before, 2) < kProfileTag) before += kEntry;
+  std::vector<std::uint8_t> made(tiff);
+  const auto put = [&](std::size_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) made.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  };
+  const auto copy = [&](std::size_t first, std::size_t last) {
+    made.insert(made.end(), tiff.begin() + static_cast<std::ptrdiff_t>(first),
+                tiff.begin() + static_cast<std::ptrdiff_t>(last));
+  };
+  const std::size_t place = made.size();
+  made.insert(made.end(), profile.begin(), profile.end());
+  if (made.size() % 2 != 0) made.push_back(0);
+  const std::size_t directory = made.size();
+  put(count + 1, 2);
+  copy(from + 2, before);
+  put(kProfileTag, 2);
+  put(kUndefined, 2);
+  put(profile.size(), 4);
+  put(place, 4);
+  copy(before, to + 4);
+  for (std::size_t i = 0; i < 4; ++i) made[4 + i] = static_cast<std::uint8_t>(directory >> 8 * i);
+  return made;
+}
+
 template <class T>
 Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture) {
   const auto files = rare_files();
@@ -74,7 +112,7 @@ Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& pictu
   } catch (const cv::Exception& error) {
     return fail(FaultKind::io, "{}", error.err);
   }
-  return bytes;
+  return with_profile(std::move(bytes), (*files)->srgb_profile());
 }
 
 // Behind JFIF's own segment, or first.

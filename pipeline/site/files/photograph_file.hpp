@@ -15,8 +15,9 @@ namespace kasumi {
 // part is missing is refused, unless `damage` is given, which receives what is wrong with it (empty: nothing).
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr);
 
-// By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). A PNG says sRGB
-// and, as a JPEG does, when and where `origin` was taken; a TIFF neither. Written to a temporary file and renamed. Errors: bad_input (another extension), io.
+// By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). PNG and
+// TIFF say sRGB, PNG and JPEG when and where `origin` was taken. Written to a temporary file and renamed. Errors:
+// bad_input (another extension), io.
 Result<> write_photograph(const std::filesystem::path& path, const Photograph& photograph);
 
 }  // namespace kasumi

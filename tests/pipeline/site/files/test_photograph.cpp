@@ -6,6 +6,9 @@
 
 #include <opencv2/imgcodecs.hpp>
 
+#include "base/files.hpp"
+#include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/rare_files.hpp"
 #include "pipeline/site/config/content.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
@@ -72,6 +75,41 @@ TEST(Photograph, SixteenBitsKeepTheirDigits) {
   EXPECT_DOUBLE_EQ(photograph.quantum, 1.0 / 65535.0);
   EXPECT_NEAR(photograph.encoded.at(0, 0).r, 1.0, 1e-6);
   EXPECT_NEAR(photograph.encoded.at(0, 0).b, 1000.0 / 65535.0, 1e-7);
+}
+
+// The profile is looked for by the program's reader of tags, and whether it is sRGB's by lcms2, which then has nothing to
+// change; OpenCV, as any other reader, sees the same picture in one page.
+TEST(Photograph, ATiffBringsTheProfileOfSrgb) {
+  for (const bool fine : {false, true}) {
+    const auto file = folder() / "profile.tiff";
+    Photograph photograph;
+    photograph.quantum = fine ? 1.0 / 65535.0 : 1.0 / 255.0;
+    photograph.encoded = Image<glm::vec3>(31, 17);
+    for (int y = 0; y < 17; ++y)
+      for (int x = 0; x < 31; ++x)
+        photograph.encoded.at(x, y) = {static_cast<float>(x) / 30.0F, static_cast<float>(y) / 16.0F, 0.2F};
+    ASSERT_TRUE(write_photograph(file, photograph));
+    const auto bytes = read_file(file).value();
+    const auto tags = picture_tags(picture_header(bytes).value(), bytes);
+    ASSERT_TRUE(tags) << tags.error().message;
+    ASSERT_GT(tags->profile.size(), 128u);
+    EXPECT_EQ(std::string(tags->profile.begin() + 36, tags->profile.begin() + 40), "acsp");
+    cv::Mat picture(1, 3, CV_8UC3, cv::Scalar(200, 100, 50));
+    const auto wrong = rare_files().value()->to_srgb(picture, tags->profile);
+    EXPECT_EQ(wrong, "");
+    EXPECT_EQ(picture.depth(), CV_8U) << "it is another profile than sRGB's";
+    std::vector<cv::Mat> pages;
+    ASSERT_TRUE(cv::imreadmulti(file.string(), pages, cv::IMREAD_UNCHANGED));
+    ASSERT_EQ(pages.size(), 1u);
+    EXPECT_EQ(pages[0].depth(), fine ? CV_16U : CV_8U);
+    const auto again = read_photograph(file);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_DOUBLE_EQ(again->quantum, photograph.quantum);
+    for (int x = 0; x < 31; ++x)
+      EXPECT_NEAR(again->encoded.at(x, 5).r, photograph.encoded.at(x, 5).r, 0.5 * photograph.quantum + 1e-6);
+    ASSERT_TRUE(write_photograph(file, photograph));
+    EXPECT_EQ(read_file(file).value(), bytes) << "the same bytes every time";
+  }
 }
 
 TEST(Photograph, GreyAndAlphaAreBroughtToThreeChannels) {
