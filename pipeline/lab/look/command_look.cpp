@@ -35,13 +35,13 @@ Result<Model> model_in(const fs::path& file, const std::string& scene) {
 
 // Every file of a folder that is a model by its name, and how many of them can be read.
 Result<int> look_at_folder(const fs::path& folder) {
+  static constexpr std::string_view kEndings[]{".glb", ".gltf", ".b3dm", ".i3dm", ".cmpt"};
   std::vector<fs::path> files;
   std::error_code error;
   for (auto it = fs::recursive_directory_iterator(folder, error); !error && it != fs::end(it); it.increment(error)) {
     std::string ending = it->path().extension().string();
     std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (it->is_regular_file() && (ending == ".glb" || ending == ".gltf" || ending == ".b3dm"))
-      files.push_back(it->path());
+    if (it->is_regular_file() && std::ranges::find(kEndings, ending) != std::end(kEndings)) files.push_back(it->path());
   }
   if (error) return fail(FaultKind::io, "{}: {}", folder.string(), error.message());
   if (files.empty()) return fail(FaultKind::bad_input, "{}: no .glb or .gltf in this folder", folder.string());

@@ -147,7 +147,11 @@ std::string advice_for_file(const std::filesystem::path& file) {
   if (bytes.starts_with("b3dm"))
     return "a tile of 3D Tiles (b3dm): npx 3d-tiles-tools b3dmToGlb -i IN.b3dm -o OUT.glb takes the glTF out of it";
   if (bytes.starts_with("i3dm"))
-    return "a tile of 3D Tiles (i3dm): npx 3d-tiles-tools i3dmToGlb -i IN.i3dm -o OUT.glb takes the glTF out of it";
+    return "a tile of 3D Tiles (i3dm): npx 3d-tiles-tools convertI3dmToGlb -i IN.i3dm -o OUT.glb makes a glTF with all "
+           "its "
+           "copies";
+  if (bytes.starts_with("cmpt"))
+    return "a tile of several of 3D Tiles (cmpt): npx 3d-tiles-tools splitCmpt -i IN.cmpt -o OUT makes a file of each";
   if (bytes.starts_with("pnts") || bytes.starts_with("LASF")) return kPointCloud;
   if (bytes.starts_with("ply") && bytes.find("f_dc_0") != std::string_view::npos) return kSplats;
   if (bytes.starts_with("ply") && bytes.find("element face") == std::string_view::npos) return kPointCloud;

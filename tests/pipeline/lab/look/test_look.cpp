@@ -182,6 +182,11 @@ TEST(Look, WhatIsNoModelIsRefusedByNameWithWhatConvertsIt) {
   EXPECT_THAT(answer("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float f_dc_0\n"),
               HasSubstr("Gaussian splats"));
   EXPECT_THAT(answer("b.ply", "ply\nformat ascii 1.0\nelement vertex 1\n"), HasSubstr("a point cloud"));
+  EXPECT_THAT(answer("a.pnts", "pnts..."), HasSubstr("a point cloud"));
+  EXPECT_THAT(answer("b.b3dm", "b3dm..."), HasSubstr("npx 3d-tiles-tools b3dmToGlb -i IN.b3dm -o OUT.glb"));
+  // i3dmToGlb would leave the copies out.
+  EXPECT_THAT(answer("c.i3dm", "i3dm..."), HasSubstr("npx 3d-tiles-tools convertI3dmToGlb -i IN.i3dm -o OUT.glb"));
+  EXPECT_THAT(answer("d.cmpt", "cmpt..."), HasSubstr("npx 3d-tiles-tools splitCmpt -i IN.cmpt -o OUT"));
   EXPECT_THAT(answer("c.las", "LASF..."), HasSubstr("a point cloud"));
   EXPECT_THAT(answer("d.obj", "v 0 0 0\n"), HasSubstr("assimp export IN.obj OUT.glb"));
   EXPECT_THAT(answer("e.glb", "text"), HasSubstr("neither a GLB nor the JSON of a glTF"));
