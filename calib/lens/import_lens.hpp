@@ -26,10 +26,11 @@ struct ImportOptions {
   std::string camera{};  // of several: COLMAP's number, Kalibr's name, topic or number; empty: the only one
 };
 
-// By content, not by name: OCamCalib's calib_results.txt; OpenCV's .yml, .xml and .json of pinhole, fisheye and omnidir;
-// ROS' camera_info; Kalibr's camchain; ORB-SLAM's settings; COLMAP's cameras.txt; Agisoft's calibration; Hugin's .pto.
-// Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that no lens model of Kasumi follows to
-// .1 px; several cameras and none is chosen, with a list of them; `model`, `largest_angle` or `camera` without effect.
+// By content, not by name: OCamCalib's calib_results.txt; OpenCV's .yml, .xml and .json of pinhole, fisheye and
+// omnidir; ROS' camera_info; Kalibr's camchain; ORB-SLAM's settings; COLMAP's cameras.txt; Agisoft's calibration;
+// Hugin's .pto. Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that no lens
+// model of Kasumi follows within .1 px; several cameras and none is chosen, with a list of them; `model`,
+// `largest_angle` or `camera` without effect.
 Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportOptions& options = {});
 
 }  // namespace kasumi

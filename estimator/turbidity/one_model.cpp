@@ -6,8 +6,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr double kNearlyAll = 0.97;
-constexpr double kOutlierSigmas = 3.0;      // standard deviations of the first fit's residuals ...
+constexpr double kNearlyAll = 0.97;     // chosen: with fewer outliers than the rest another round is not worth its time
+constexpr double kOutlierSigmas = 3.0;  // standard deviations of the first fit's residuals ...
 constexpr double kSmallestOutlier = 0.004;  // ... and at least this much of ln Y, for elements that are not clear sky
 
 }  // namespace

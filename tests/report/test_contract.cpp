@@ -103,9 +103,7 @@ TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
   status.scene_camera.health.width = status.scene_camera.health.height = 480;
   status.scene_camera.health.last_good = status.now;
   status.scene_camera.health.mode.emplace();
-  status.sky.report.tracked.emplace();
-  status.sky.report.air.emplace().aerosol.emplace();
-  status.sky.report.state.emplace();
+  status.sky.report.air.emplace().observers.emplace_back();
   status.visibility.at = status.utc;
   status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
   status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};

@@ -73,7 +73,7 @@ TEST(Schedule, AnEraFollowsTheOtherWithoutADarkOrStillPictureAndWithoutTheDisk) 
   const auto later = rig->status().sky.report.air;
   ASSERT_TRUE(later && later->seen());
   EXPECT_NEAR(later->air.turbidity().value, air->air.turbidity().value, 0.2) << "the air stays known";
-  EXPECT_GT(mean_difference(before, rig->picture()), 0.3) << "another building";
+  EXPECT_GT(difference(before, rig->picture()).mean, 0.3) << "another building";
   EXPECT_TRUE(status_of(*rig)["content"]["era_problem"].is_null());
 
   rig->devices.scene.unplugged = true;
