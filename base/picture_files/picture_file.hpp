@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <glm/gtc/type_precision.hpp>
 #include <glm/vec3.hpp>
 
 #include "base/image.hpp"
@@ -38,6 +39,7 @@ struct PictureMarks {
 // Quickly rather than small: pictures are written while others wait. Errors: bad_input (no pixels), io.
 Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PictureMarks& marks = {});
 Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PictureMarks& marks = {});
+Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u8vec4>& picture);
 Result<std::vector<std::uint8_t>> encode_png(const Image<std::uint8_t>& grey);
 
 }  // namespace kasumi

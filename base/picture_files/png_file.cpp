@@ -185,6 +185,10 @@ Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture,
   return encode_samples(picture, PNG_COLOR_TYPE_RGB, 16, marks);
 }
 
+Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u8vec4>& picture) {
+  return encode_samples(picture, PNG_COLOR_TYPE_RGB_ALPHA, 8);
+}
+
 Result<std::vector<std::uint8_t>> encode_png(const Image<std::uint8_t>& grey) {
   return encode_samples(grey, PNG_COLOR_TYPE_GRAY, 8);
 }

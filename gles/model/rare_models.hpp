@@ -1,6 +1,6 @@
-// What compressed models are packed in: Draco's meshes, meshoptimizer's buffers, pictures of WebP and Basis Universal. Kiosks
-// rarely meet them, and their decoders read what strangers made, so they stand in a module beside the program, loaded at the first such
-// model. For this room's glTF sources only.
+// What compressed models are packed in: Draco's meshes, meshoptimizer's buffers, pictures of WebP and Basis Universal;
+// and meshoptimizer's simplification. Kiosks rarely meet them, and their decoders read what strangers made, so they stand
+// in a module beside the program, loaded at the first such model. For this room's sources only.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
 #include "base/image.hpp"
@@ -55,6 +56,10 @@ class RareModels {
   // The same for the largest level of a KTX2 of Basis Universal (ETC1S in BasisLZ, UASTC plain or in Zstandard). Errors
   // (bad_input): damaged, another kind of KTX2, layers, faces, depth.
   virtual Result<Image<glm::u8vec4>> ktx2_picture(std::span<const std::uint8_t> file, int width, int height) const = 0;
+  // Fewer triangles of the same vertices, whose surface lies within about `error` of the given one. Vertices at one place
+  // stay together; where they differ in texture or normal, the seam stays.
+  virtual std::vector<std::uint32_t> simplified(std::span<const glm::vec3> positions,
+                                                std::span<const std::uint32_t> indices, float error) const = 0;
 };
 
 // Any thread may call it. Errors: unsupported (the module is not there, or a library that it needs is not).

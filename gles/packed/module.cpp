@@ -32,6 +32,10 @@ class PackedModels final : public RareModels {
   Result<Image<glm::u8vec4>> ktx2_picture(std::span<const std::uint8_t> file, int width, int height) const override {
     return guarded([&] { return read_ktx2(file, width, height); });
   }
+  std::vector<std::uint32_t> simplified(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                                        float error) const override {
+    return simplified_mesh(positions, indices, error);
+  }
 };
 
 }  // namespace

@@ -12,6 +12,8 @@ Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> str
                                                std::size_t most);
 Result<Image<glm::u8vec4>> read_webp(std::span<const std::uint8_t> file, int width, int height);
 Result<Image<glm::u8vec4>> read_ktx2(std::span<const std::uint8_t> file, int width, int height);
+std::vector<std::uint32_t> simplified_mesh(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices,
+                                           float error);
 
 // The least bytes of a stream for as much as it claims: no compressor known packs a thousand to one.
 constexpr std::size_t kMostForAByte = 1000;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 
 #include "base/unique_fd.hpp"
 #include "pipeline/kiosk/content/manifest.hpp"
@@ -35,9 +36,9 @@ Result<> unpack(const Bundle& bundle, const std::filesystem::path& folder);
 // Compares what was unpacked with its manifest. Error (bad_input): all files that are missing or damaged.
 Result<> check_unpacked(const std::filesystem::path& folder, const Manifest& manifest);
 
-// Writes a bundle of files below `folder`. It is there whole or not at all. Errors: bad_input (a file has changed since
-// the manifest was made), io.
+// Writes a bundle of files below `folder`, or of those of `instead`, by the names in the manifest. It is there whole or not
+// at all. Errors: bad_input (a file has changed since the manifest was made), io.
 Result<> write_bundle(const std::filesystem::path& path, const std::filesystem::path& folder, const Manifest& manifest,
-                      std::string_view signature);
+                      std::string_view signature, const std::map<std::string, std::filesystem::path>& instead = {});
 
 }  // namespace kasumi

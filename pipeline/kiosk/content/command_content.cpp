@@ -29,6 +29,8 @@ struct ContentArguments {
   std::vector<std::string> for_kiosks;
   double seconds = 120.0;  // a slow GPU with a heavy model
   bool unsigned_too = false, again = false, newer = false;
+  bool keep_all = false;
+  double most_loss = kMostModelLoss;
 };
 
 std::string second_of(Utc utc) {
@@ -66,6 +68,8 @@ Result<int> pack_content(const ContentArguments& arguments) {
   if (request.name.empty()) request.name = std::filesystem::path(arguments.out).stem().string();
   if (!arguments.secret_key.empty()) request.secret_key = arguments.secret_key;
   request.for_kiosks = arguments.for_kiosks;
+  request.keep_all = arguments.keep_all;
+  request.most_loss = arguments.most_loss;
   request.password = [&arguments] {
     return arguments.password_file.empty() ? ask_password(arguments.secret_key) : password_in(arguments.password_file);
   };
@@ -345,6 +349,13 @@ void add_content_command(CLI::App& app, Action& action) {
   packing->add_option("--for", arguments->for_kiosks, "Only for kiosks of these names (default: for all)");
   packing->add_option("--key", arguments->secret_key, "Sign it: a secret key of minisign's");
   packing->add_option("--password-file", arguments->password_file, "The key's password (default: it is asked for)");
+  packing->add_flag("--keep-all", arguments->keep_all, "Pack models as they are, however large");
+  packing
+      ->add_option("--most-loss", arguments->most_loss,
+                   "What a reduced model may lose in the scene camera's picture, of 255: mean absolute difference over "
+                   "the building")
+      ->check(CLI::Range(0.0, 255.0))
+      ->capture_default_str();
 
   auto* installing = with_status(with_keys(with_store(
       add("install", "Install a bundle beside the old content and show it, on probation", install_content))));

@@ -1,6 +1,10 @@
 #include "pipeline/kiosk/content/packing.hpp"
 
 #include <algorithm>
+#include <cerrno>
+#include <map>
+#include <system_error>
+#include <utility>
 
 #include "base/files.hpp"
 #include "base/utc_text.hpp"
@@ -31,9 +35,40 @@ std::string below(const fs::path& file, const fs::path& folder) {
   return name.empty() || name.starts_with("..") ? std::string() : name;
 }
 
-void add_file_of(const ContentFile& file, const fs::path& folder, Manifest& manifest, Packed& packed,
-                 Problems& problems) {
+// For as long as it is packed; only its maker looks into it.
+class Workplace {
+ public:
+  static Result<Workplace> make() {
+    std::error_code error;
+    auto name = (fs::temp_directory_path(error) / "kasumi-pack.XXXXXX").string();
+    if (error || !::mkdtemp(name.data()))
+      return fail(FaultKind::io, "{}: cannot be made: {}", name, std::generic_category().message(errno));
+    return Workplace(name);
+  }
+  Workplace(Workplace&& other) noexcept : folder_(std::exchange(other.folder_, {})) {}
+  Workplace& operator=(Workplace&&) = delete;
+  ~Workplace() {
+    std::error_code error;
+    if (!folder_.empty()) fs::remove_all(folder_, error);
+  }
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  explicit Workplace(fs::path folder) : folder_(std::move(folder)) {}
+  fs::path folder_;
+};
+
+// What is packed under a file's name; empty: nothing.
+fs::path packed_for(const fs::path& file, const ModelReduction& reduction) {
+  if (std::ranges::find(reduction.left_out, file) != reduction.left_out.end()) return {};
+  const auto other = reduction.instead.find(file);
+  return other == reduction.instead.end() ? file : other->second;
+}
+
+void add_file_of(const ContentFile& file, const fs::path& from, const fs::path& folder, Manifest& manifest,
+                 Packed& packed, Problems& problems) {
   const auto name = below(file.path, folder);
+  std::error_code error;
   if (name.empty() && absolute_of(file.path).string().starts_with(kOfTheSystem)) {
     packed.remarks.push_back(fmt::format("{} is not packed: the kiosk must have it", file.path.string()));
   } else if (name.empty()) {
@@ -41,12 +76,12 @@ void add_file_of(const ContentFile& file, const fs::path& folder, Manifest& mani
                  folder.string());
   } else if (const auto problem = name_problem(name); !problem.empty()) {
     problems.add("{}", problem);
-  } else if (file.bytes > kMostFileBytes) {
-    problems.add("{}: {} bytes, expected at most {}", name, file.bytes, kMostFileBytes);
-  } else if (const auto hash = sha256_of_file(fs::weakly_canonical(file.path)); !hash) {
+  } else if (const auto bytes = fs::file_size(from, error); bytes > kMostFileBytes) {
+    problems.add("{}: {} bytes, expected at most {}", name, bytes, kMostFileBytes);
+  } else if (const auto hash = sha256_of_file(fs::weakly_canonical(from)); !hash) {
     problems.add("{}", hash.error().message);
   } else if (std::ranges::none_of(manifest.files, [&](const PackedFile& other) { return other.path == name; })) {
-    manifest.files.push_back({name, file.bytes, *hash});
+    manifest.files.push_back({name, bytes, *hash});
   }
 }
 
@@ -92,14 +127,26 @@ Result<Packed> pack(const PackRequest& request) {
   if (!content) return fail(content.error());
   const auto config = absolute_of(request.config);
   const auto folder = config.parent_path();
+  const auto workplace = Workplace::make();
+  if (!workplace) return fail(workplace.error());
+  const auto reduction = request.keep_all ? ModelReduction{*content, {}, {}, {}}
+                                          : reduce_models(*content, workplace->folder(), request.most_loss);
+  if (!reduction) return fail(reduction.error());
   Packed packed;
+  packed.remarks = reduction->lines;
   auto& manifest = packed.manifest;
   manifest.name = request.name;
   manifest.created = std::chrono::floor<std::chrono::seconds>(request.created);
   manifest.configuration = config.filename().string();
   manifest.for_kiosks = request.for_kiosks;
   Problems problems;
-  for (const auto& file : (*content)->files) add_file_of(file, folder, manifest, packed, problems);
+  std::map<std::string, fs::path> instead;
+  for (const auto& file : (*content)->files) {
+    const auto from = packed_for(file.path, *reduction);
+    if (from.empty()) continue;
+    if (from != file.path) instead[below(file.path, folder)] = from;
+    add_file_of(file, from, folder, manifest, packed, problems);
+  }
   check_folders((*content)->config, folder, problems);
   if (!problems.empty()) return fail(problems.fault());
   SystemClock clock;
@@ -108,11 +155,12 @@ Result<Packed> pack(const PackRequest& request) {
   for (auto& fault : words_that_cannot_be_read((*content)->config)) packed.remarks.push_back(std::move(fault));
   const auto text = manifest_text(manifest);
   if (auto readable = parse_manifest(text); !readable) return fail(readable.error());
-  if (auto drawable = check_drawable(*content, packed); !drawable) return fail(drawable.error());
+  if (auto drawable = check_drawable(reduction->content, packed); !drawable) return fail(drawable.error());
   for (auto& note : model_notes(**content)) packed.remarks.push_back(std::move(note));
   const auto signature = signature_of(request, text);
   if (!signature) return fail(signature.error());
-  if (auto written = write_bundle(request.out, folder, manifest, *signature); !written) return fail(written.error());
+  if (auto written = write_bundle(request.out, folder, manifest, *signature, instead); !written)
+    return fail(written.error());
   // As the kiosk will look into it.
   const auto bundle = look_into(request.out);
   if (!bundle) return fail(bundle.error());

@@ -26,11 +26,11 @@ Result<> add_file(archive* writer, const std::string& path, std::string_view byt
   return {};
 }
 
-Result<> add_packed(archive* writer, const std::filesystem::path& folder, const PackedFile& file, Utc at) {
-  const auto bytes = read_text_file(folder / file.path);
+Result<> add_packed(archive* writer, const std::filesystem::path& from, const PackedFile& file, Utc at) {
+  const auto bytes = read_text_file(from);
   if (!bytes) return fail(bytes.error());
   if (sha256_of(*bytes) != file.sha256)
-    return fail(FaultKind::bad_input, "{}: has changed while it was packed", (folder / file.path).string());
+    return fail(FaultKind::bad_input, "{}: has changed while it was packed", from.string());
   return add_file(writer, file.path, *bytes, at);
 }
 
@@ -38,7 +38,7 @@ Result<> add_packed(archive* writer, const std::filesystem::path& folder, const 
 
 // GNU's tar: names are bytes, independent of the locale.
 Result<> write_bundle(const std::filesystem::path& path, const std::filesystem::path& folder, const Manifest& manifest,
-                      std::string_view signature) {
+                      std::string_view signature, const std::map<std::string, std::filesystem::path>& instead) {
   return replace_file(path, [&](const std::filesystem::path& unfinished) -> Result<> {
     const NewArchive writer(archive_write_new());
     if (!writer || archive_write_set_format_gnutar(writer.get()) != ARCHIVE_OK ||
@@ -47,8 +47,11 @@ Result<> write_bundle(const std::filesystem::path& path, const std::filesystem::
                   writer ? archive_error_string(writer.get()) : "not enough memory");
     auto added = add_file(writer.get(), kManifestName, manifest_text(manifest), manifest.created);
     if (added && !signature.empty()) added = add_file(writer.get(), kSignatureName, signature, manifest.created);
-    for (const auto& file : manifest.files)
-      if (added) added = add_packed(writer.get(), folder, file, manifest.created);
+    for (const auto& file : manifest.files) {
+      const auto other = instead.find(file.path);
+      const auto from = other == instead.end() ? folder / file.path : other->second;
+      if (added) added = add_packed(writer.get(), from, file, manifest.created);
+    }
     if (!added) return added;
     if (archive_write_close(writer.get()) != ARCHIVE_OK)
       return fail(FaultKind::io, "{}: cannot be written: {}", path.string(), archive_error_string(writer.get()));
