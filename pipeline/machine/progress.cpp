@@ -29,11 +29,14 @@ std::string progress_text(std::string_view title, std::size_t done, std::optiona
   return text;
 }
 
-Progress::Progress(std::string title, std::optional<std::size_t> total)
+Progress::Progress(std::string title, std::optional<std::size_t> total, std::optional<std::chrono::seconds> log_every)
     : title_(std::move(title)),
       total_(total),
       terminal_(::isatty(STDERR_FILENO) == 1),
-      started_(std::chrono::steady_clock::now()) {}
+      log_every_(log_every),
+      started_(std::chrono::steady_clock::now()) {
+  if (!terminal_) drawn_ = started_;
+}
 
 Progress::~Progress() {
   clear();
@@ -42,9 +45,12 @@ Progress::~Progress() {
 void Progress::advance(std::string_view detail) {
   ++done_;
   const auto now = std::chrono::steady_clock::now();
-  if (!terminal_ || now - drawn_ < std::chrono::milliseconds(50)) return;
+  if (terminal_ ? now - drawn_ < std::chrono::milliseconds(50) : !log_every_ || now - drawn_ < *log_every_) return;
   drawn_ = now;
-  draw(detail);
+  if (terminal_)
+    draw(detail);
+  else
+    fmt::print(stderr, "kasumi: {}\n", progress_text(title_, done_, total_, now - started_));
 }
 
 void Progress::clear() {

@@ -1,4 +1,5 @@
-// Progress for a person at a terminal, on a line that is drawn anew; silent when standard error is not one.
+// Progress for a person at a terminal, on a line that is drawn anew; when standard error is none silent, or a line now
+// and then for a job's log.
 #pragma once
 
 #include <chrono>
@@ -15,8 +16,9 @@ std::string progress_text(std::string_view title, std::size_t done, std::optiona
 
 class Progress {
  public:
-  // `total` is empty where it is not known.
-  Progress(std::string title, std::optional<std::size_t> total);
+  // `total` is empty where it is not known. `log_every`: between lines of a log; empty: none.
+  Progress(std::string title, std::optional<std::size_t> total,
+           std::optional<std::chrono::seconds> log_every = std::nullopt);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -31,6 +33,7 @@ class Progress {
   std::optional<std::size_t> total_;
   std::size_t done_ = 0;
   bool terminal_;
+  std::optional<std::chrono::seconds> log_every_;
   std::chrono::steady_clock::time_point started_, drawn_{};
 };
 
