@@ -63,7 +63,9 @@ std::optional<Utc> by_exif(const std::filesystem::path& file, double offset_h) {
 
 std::optional<Utc> picture_time(const std::filesystem::path& file, const PictureTimes& times) {
   const auto name = file.filename().string();
-  if (!times.format.empty()) return parse(name, times.format.c_str(), times.utc_offset_h);
+  const bool with_folders = times.format.find('/') != std::string::npos;
+  if (!times.format.empty())
+    return parse(with_folders ? file.string() : name, times.format.c_str(), times.utc_offset_h);
   for (const char* usual : kUsual)
     if (const auto utc = parse(name, usual, times.utc_offset_h)) return utc;
   return by_exif(file, times.utc_offset_h);

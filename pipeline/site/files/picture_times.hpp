@@ -10,7 +10,8 @@
 namespace kasumi {
 
 struct PictureTimes {
-  // As strptime reads it, somewhere in the file's name: "%Y%m%d_%H%M%S". Empty: what names usually have, and else EXIF.
+  // As strptime reads it, somewhere in the file's name: "%Y%m%d_%H%M%S"; with folders where it has a slash:
+  // "%Y/%m/%d/%H%M". Empty: what names usually have, and else EXIF.
   std::string format;
   double utc_offset_h = 0.0;  // of those times: 9 in Japan; EXIF's own offset takes precedence
 };
