@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cstdio>
 #include <map>
 #include <thread>
@@ -5,9 +6,10 @@
 #include <CLI/CLI.hpp>
 
 #include "pipeline/command.hpp"
+#include "pipeline/lab/archive/estimate_csv.hpp"
+#include "pipeline/lab/photographs/archive_run.hpp"
 #include "pipeline/lab/photographs/estimate_answer.hpp"
 #include "pipeline/lab/photographs/estimate_arguments.hpp"
-#include "pipeline/lab/photographs/estimate_csv.hpp"
 #include "pipeline/lab/photographs/estimate_inputs.hpp"
 #include "pipeline/lab/photographs/estimate_tally.hpp"
 #include "pipeline/lab/photographs/estimated_response.hpp"
@@ -29,6 +31,7 @@ namespace {
 struct ImageJob {
   SkyInput input;
   const SceneVisibility* scene = nullptr;  // taken at the same time
+  std::optional<ArchivePlace> place{};     // of a record
 };
 
 // The landmarks' result from the scene camera's picture of the same time, compared with the sky.
@@ -71,6 +74,7 @@ Answer answer_of(const EstimateArguments& arguments, Worker& worker, const Scene
                  const ImageJob& job) {
   const auto& [file, utc, problem, camera, label] = job.input;
   const auto unread = [&](const std::string& why) {
+    if (job.place) return Answer{unread_record(file.string(), worker.utc_of(job.input), why, *job.place), why, ""};
     return Answer{arguments.csv ? estimate_csv_line(file.string(), worker.utc_of(job.input), why) : "", why, ""};
   };
   if (!problem.empty()) return unread(problem);
@@ -81,7 +85,10 @@ Answer answer_of(const EstimateArguments& arguments, Worker& worker, const Scene
   Answer answer;
   if (!report->look.estimate.usable && !(job.scene && job.scene->usable()))
     answer.useless = why_useless(report->look.estimate);
-  if (arguments.csv)
+  if (job.place)
+    answer.text =
+        archive_record(estimate_json(file, *report, ""), worker.utc_of(job.input), answer.useless, *job.place);
+  else if (arguments.csv)
     answer.text = estimate_csv_line(estimate_json(file, *report, ""), worker.utc_of(job.input));
   else
     answer.text =
@@ -205,12 +212,63 @@ Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::
   return kept ? learned->write(arguments.camera_memory) : Result<>();
 }
 
+// A shard of an archive; a picture that cannot be read is a record, and no error.
+Result<int> estimate_archive(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+  auto run = open_archive_run(arguments, inputs);
+  if (!run) return fail(run.error());
+  CameraMemory memory;
+  if (!arguments.camera_memory.empty()) {
+    auto before = CameraMemory::read(arguments.camera_memory);
+    if (!before) return fail(before.error());
+    memory = std::move(*before);
+  }
+  // Each picture by itself: what one shard's pictures tell of their camera the others would not know.
+  inputs.set_memory(std::make_shared<CameraMemory>(std::move(memory)));
+  const auto& shard = run->shard;
+  const auto& plan = run->plan;
+  auto& part = run->part;
+  const auto name =
+      shard.from.empty() ? std::string("estimate") : fmt::format("shard {}/{}", shard.index + 1, shard.count);
+  fmt::print(stderr, "kasumi: {}{}: pictures {} to {} of {}; {} are there already{}\n", name,
+             shard.from.empty() || shard.from == "--shard" ? "" : " by " + shard.from, plan.first + 1,
+             plan.first + plan.count, plan.archive.pictures, part.done(),
+             part.mended_bytes() > 0 ? fmt::format(", without a torn record of {} bytes", part.mended_bytes()) : "");
+  std::size_t number = plan.first + part.done(), useful = 0, unread = 0;
+  std::vector<Worker> workers(threads, Worker(inputs.cameras()));
+  Progress progress(name, inputs.count(), std::chrono::seconds(60));
+  std::atomic<bool> failed = false;
+  Result<> written;
+  run_in_order<ImageJob, Answer>(
+      threads,
+      [&]() -> std::optional<ImageJob> {
+        auto input = failed ? std::nullopt : inputs.next();
+        if (!input) return std::nullopt;
+        return ImageJob{std::move(*input), nullptr, ArchivePlace{++number, plan.archive}};
+      },
+      [&](std::size_t worker, const ImageJob& job) { return answer_of(arguments, workers[worker], nullptr, job); },
+      [&](const ImageJob&, const Answer& answer) {
+        if (failed) return;
+        written = part.add(answer.text);
+        failed = !written;
+        unread += answer.error.empty() ? 0 : 1;
+        useful += answer.error.empty() && answer.useless.empty() ? 1 : 0;
+        progress.advance("");
+      });
+  progress.clear();
+  if (written) written = part.finish();
+  if (!written) return fail(written.error());
+  fmt::print(stderr, "kasumi: {}: done, {} more pictures: {} tell the air, {} could not be read\n", name,
+             number - plan.first - part.done(), useful, unread);
+  return 0;
+}
+
 // Arguments that name no picture are reported first; the others are still answered.
 Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
   auto inputs = EstimateInputs::expand(arguments);
   if (!inputs) return fail(inputs.error());
   const auto& missing = inputs->problems();
-  if (!missing.empty() && (inputs->empty() || scenes)) return fail(missing.fault());
+  const bool whole = !arguments.out.empty() || !arguments.learn_camera.empty();  // or nothing
+  if (!missing.empty() && (inputs->empty() || scenes || whole)) return fail(missing.fault());
   if (scenes && scenes->pictures.size() != inputs->count())
     return fail(FaultKind::bad_input,
                 "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
@@ -224,6 +282,8 @@ Result<int> estimate_pictures(const EstimateArguments& arguments, const std::opt
   const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
   std::size_t threads = arguments.jobs > 0 ? arguments.jobs : cores;
   threads = std::min(threads, inputs->count().value_or(threads));
+  if (!arguments.learn_camera.empty()) return learn_camera_of_archive(arguments, *inputs, threads);
+  if (!arguments.out.empty()) return estimate_archive(arguments, *inputs, threads);
   if (auto learned = learn(arguments, *inputs, threads); !learned) return fail(learned.error());
   std::size_t given = 0;
   const auto next = [&]() -> std::optional<ImageJob> {
@@ -263,6 +323,9 @@ Result<int> estimate(const EstimateArguments& arguments) {
   const bool pictures_asked = !arguments.images.empty() || (arguments.scenes.empty() && arguments.scans.empty());
   if (arguments.csv && (!arguments.hazes.empty() || !arguments.scenes.empty()))
     return fail(FaultKind::bad_input, "--csv: has no columns for --haze and --scene, expected --json");
+  if (!arguments.merge.empty()) return merge_archive(arguments);
+  if (!arguments.out.empty() && (!arguments.hazes.empty() || !arguments.scans.empty() || !arguments.scenes.empty()))
+    return fail(FaultKind::bad_input, "--out: is for pictures of the sky, expected no --scene, --scan or --haze");
   if (!arguments.hazes.empty()) return estimate_hazes(arguments);
   if (!arguments.scans.empty()) return estimate_scans(arguments);
   std::optional<SceneVisibilities> scenes;
@@ -288,6 +351,7 @@ void add_estimate_command(CLI::App& app, Action& action) {
     if (!arguments->scenes.empty() && arguments->landmarks.empty())
       throw CLI::ValidationError("--scene", "expected --landmarks FILE with their places and distances");
     order_lists(*command, *arguments);
+    arguments->given_words = words_of_answers(*command);
     action = [arguments] { return estimate(*arguments); };
   });
 }

@@ -1,5 +1,9 @@
 #include "pipeline/lab/photographs/estimate_arguments.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include <CLI/CLI.hpp>
 
 #include "base/finite_number.hpp"
@@ -85,7 +89,52 @@ void refuse_for_scans(const EstimateArguments& arguments, Problems& problems) {
   if (arguments.plot || !arguments.plot_dir.empty()) problems.add("--plot: is for pictures, not for --scan");
 }
 
+void add_archive_options(CLI::App& command, EstimateArguments& a) {
+  command.add_option(
+      "--time-format", a.time_format,
+      "When pictures were taken, as strptime reads it somewhere in their names, with folders where it has "
+      "a /, like %Y/%m/%d/%H%M; auto: as names usually say it, else EXIF. A picture without one is refused");
+  command
+      .add_option("--utc-offset-h", a.utc_offset_h, "Of those times from UTC: 9 in Japan; with --merge of the page's")
+      ->check(CLI::Range(-14.0, 14.0));
+  auto* out = command.add_option("--out", a.out,
+                                 "Write records (JSON lines) into this new file instead, also of pictures that cannot "
+                                 "be read; with --merge the table: .jsonl, .csv or .sqlite");
+  command
+      .add_option("--shard", a.shard,
+                  "With --out: part I of N of the list. Default: the task of the job array (Slurm, Grid Engine, "
+                  "Kubernetes with JOB_COMPLETIONS), else all")
+      ->type_name("I/N")
+      ->needs(out);
+  command.add_flag("--resume", a.resume, "With --out: go on behind the records that are there")->needs(out);
+  command.add_option("--learn-camera", a.learn_camera,
+                     "Instead of answers: what a sample of the pictures tells of their camera, as --camera-memory FILE "
+                     "for all shards");
+  auto* merge =
+      command
+          .add_option("--merge", a.merge,
+                      "Instead of pictures: all parts of an archive, files of --out, into one table and summary.html")
+          ->type_name("PART");
+  command.add_option("--summary", a.summary, "With --merge: the page. Default: summary.html beside --out")
+      ->needs(merge);
+}
+
 }  // namespace
+
+std::string words_of_answers(const CLI::App& command) {
+  constexpr std::array<std::string_view, 13> kOthers{"image",    "--list",    "--jobs",        "--out",  "--shard",
+                                                     "--resume", "--json",    "--csv",         "--plot", "--plot-dir",
+                                                     "--merge",  "--summary", "--learn-camera"};
+  std::string words;
+  for (const auto* option : command.get_options()) {
+    const auto name = option->get_name();
+    if (option->count() == 0 || std::ranges::find(kOthers, name) != kOthers.end()) continue;
+    words += name;
+    for (const auto& value : option->results()) words += " " + value;
+    words += "\n";
+  }
+  return words;
+}
 
 Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments) {
   SkyPhotographOptions options;
@@ -229,6 +278,7 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   command.add_option("--plot-dir", a.plot_dir, "Write the plots into this folder instead");
   command.add_option("--jobs", a.jobs, "Pictures processed at a time (default: one per core)")
       ->check(CLI::Range(1, 1024));
+  add_archive_options(command, a);
 }
 
 void order_lists(const CLI::App& command, EstimateArguments& arguments) {

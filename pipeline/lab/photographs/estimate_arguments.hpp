@@ -8,6 +8,7 @@
 
 #include "pipeline/air_options.hpp"
 #include "pipeline/lab/photographs/sky_photograph.hpp"
+#include "pipeline/site/files/picture_times.hpp"
 
 namespace CLI {
 class App;
@@ -50,12 +51,25 @@ struct EstimateArguments {
   std::string plot_dir;
   std::size_t jobs = 0;
 
+  std::string time_format;  // empty: pictures have times by lists, recordings and --utc alone; "auto": as names usually
+  double utc_offset_h = 0.0;
+  std::string out;    // of an archive's part, or of a merge
+  std::string shard;  // empty: as the job array says
+  bool resume = false;
+  std::string learn_camera;
+  std::vector<std::string> merge;
+  std::string summary;      // empty: summary.html beside `out`
+  std::string given_words;  // options as given that answers depend on, one a line; after parsing
+
   bool response_from_pictures() const { return response == "estimate"; }
 };
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
 // Puts each --list into the images, as @LIST, where it stood among them. After parsing.
 void order_lists(const CLI::App& command, EstimateArguments& arguments);
+
+// Of options whose value changes an answer, and with what they were given.
+std::string words_of_answers(const CLI::App& command);
 
 // How to read the pictures of the sky. Errors (bad_input): everything that is wrong with them at once.
 Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arguments);

@@ -1,7 +1,10 @@
 #include "pipeline/lab/photographs/estimate_inputs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iostream>
+#include <numbers>
+#include <set>
 #include <sstream>
 
 #include <glob.h>
@@ -59,6 +62,8 @@ SkyInput input_of_line(std::string line) {
 
 Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments) {
   EstimateInputs inputs;
+  if (!arguments.time_format.empty())
+    inputs.times_ = PictureTimes{arguments.time_format == "auto" ? "" : arguments.time_format, arguments.utc_offset_h};
   if (arguments.images.empty())
     inputs.add(arguments, "-");
   else
@@ -176,7 +181,7 @@ std::optional<std::size_t> EstimateInputs::count() const {
 
 std::optional<SkyInput> EstimateInputs::take(bool wait) {
   while (at_ < inputs_.size()) {
-    if (!inputs_[at_].standard_input) return inputs_[at_++].input;
+    if (!inputs_[at_].standard_input) return std::move(inputs_[at_++].input);
     if (!wait && !line_is_there()) return std::nullopt;
     std::string line;
     if (!std::getline(std::cin, line))
@@ -188,7 +193,10 @@ std::optional<SkyInput> EstimateInputs::take(bool wait) {
 }
 
 std::optional<SkyInput> EstimateInputs::next() {
-  if (ahead_.empty()) return take(true);
+  if (ahead_.empty()) {
+    auto input = take(true);
+    return input ? std::optional(timed(std::move(*input))) : std::nullopt;
+  }
   auto first = std::move(ahead_.front());
   ahead_.pop_front();
   return first;
@@ -198,14 +206,58 @@ std::vector<SkyInput> EstimateInputs::ahead(std::size_t most) {
   while (ahead_.size() < most) {
     auto input = take(false);
     if (!input) break;
-    ahead_.push_back(std::move(*input));
+    ahead_.push_back(timed(std::move(*input)));
   }
   return {ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(std::min(most, ahead_.size()))};
 }
 
 std::vector<SkyInput> EstimateInputs::all() {
-  while (auto input = take(true)) ahead_.push_back(std::move(*input));
+  while (auto input = take(true)) ahead_.push_back(timed(std::move(*input)));
   return {ahead_.begin(), ahead_.end()};
+}
+
+SkyInput EstimateInputs::timed(SkyInput input) const {
+  if (!times_ || input.utc || !input.problem.empty()) return input;
+  input.utc = picture_time(input.file, *times_);
+  if (!input.utc && !cameras_[input.camera].utc)
+    input.problem = fmt::format(
+        "{}: no time {}", input.file.string(),
+        times_->format.empty() ? "in its name or in EXIF" : fmt::format("like {} in its name", times_->format));
+  return input;
+}
+
+void EstimateInputs::complete() {
+  if (count()) return;
+  std::vector<Entry> whole;
+  while (auto input = take(true)) whole.push_back({std::move(*input)});
+  inputs_ = std::move(whole);
+  at_ = 0;
+}
+
+void EstimateInputs::add_to(Fingerprint& fingerprint) const {
+  for (const auto& [input, _] : inputs_) {
+    fingerprint.add(input.file.native());
+    fingerprint.add(input.utc ? utc_text(*input.utc) : "");
+  }
+}
+
+void EstimateInputs::keep(std::size_t first, std::size_t count) {
+  std::vector<Entry> kept(std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(first)),
+                          std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(first + count)));
+  inputs_ = std::move(kept);
+}
+
+// Even steps would meet one hour of the day again and again.
+std::vector<SkyInput> EstimateInputs::sample(std::size_t most) const {
+  std::vector<SkyInput> some;
+  std::set<std::size_t> taken;
+  const auto count = static_cast<double>(inputs_.size());
+  for (std::size_t k = 0; taken.size() < std::min(most, inputs_.size()); ++k) {
+    const double share = std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
+    const auto at = std::min(inputs_.size() - 1, static_cast<std::size_t>(share * count));
+    if (taken.insert(at).second) some.push_back(timed(inputs_[at].input));
+  }
+  return some;
 }
 
 }  // namespace kasumi

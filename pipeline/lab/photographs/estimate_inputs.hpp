@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/result.hpp"
+#include "pipeline/lab/archive/archive_record.hpp"
 #include "pipeline/lab/photographs/estimate_arguments.hpp"
 
 namespace kasumi {
@@ -44,6 +45,15 @@ class EstimateInputs {
   std::vector<SkyInput> ahead(std::size_t most);
   // All that are left, without taking them; waits for the end of standard input.
   std::vector<SkyInput> all();
+  // Waits for the end of standard input, so that the list is whole.
+  void complete();
+  // Adds names and times of the whole list, in order. After complete().
+  void add_to(Fingerprint& fingerprint) const;
+  // Leaves out all but so many. After complete(), before any is taken.
+  void keep(std::size_t first, std::size_t count);
+  // At most so many, spread over the list and, where its pictures follow each other evenly, over day and year; in
+  // mixed order. After complete().
+  std::vector<SkyInput> sample(std::size_t most) const;
   // The first is the command line's; the others are recordings'.
   const std::vector<SkyPhotographOptions>& cameras() const { return cameras_; }
   void set_tone(const ToneCurve& tone) { cameras_.front().tone = tone; }
@@ -64,12 +74,14 @@ class EstimateInputs {
   void add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder);
 
   std::optional<SkyInput> take(bool wait);
+  SkyInput timed(SkyInput input) const;
 
   std::vector<Entry> inputs_;
   std::size_t at_ = 0;
   std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
   std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
   bool of_command_line_ = false;  // pictures need the camera of the command line
+  std::optional<PictureTimes> times_;
   Problems problems_;
 };
 

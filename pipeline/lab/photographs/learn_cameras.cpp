@@ -10,8 +10,6 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMostAsked = 48;  // pictures whose air is estimated for their tone curves: more add little
-
 // The answers to some pictures, in their order; each thread keeps what it knows of each camera.
 template <class Answer>
 std::vector<Answer> ask(const std::vector<SkyInput>& pictures, const std::vector<SkyPhotographOptions>& cameras,
@@ -51,7 +49,7 @@ std::vector<SkyInput> spread(const std::vector<SkyInput>& pictures, std::size_t 
 
 std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
                                                   const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
-                                                  bool kept, std::size_t threads) {
+                                                  bool kept, std::size_t threads, std::size_t most_asked) {
   std::vector<SkyInput> strange;  // of cameras that are not calibrated
   for (const SkyInput& picture : pictures)
     if (picture.problem.empty() && !cameras[picture.camera].calibrated) strange.push_back(picture);
@@ -85,7 +83,7 @@ std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& p
     }
   if (known.empty()) return memory;
   std::vector<CameraSight> sights;
-  for (auto& sight : ask<std::optional<CameraSight>>(spread(known, kMostAsked), with_circles, threads, sight_of))
+  for (auto& sight : ask<std::optional<CameraSight>>(spread(known, most_asked), with_circles, threads, sight_of))
     if (sight) sights.push_back(std::move(*sight));
   auto learned = std::make_shared<CameraMemory>(*memory);
   learned->learn(sights);

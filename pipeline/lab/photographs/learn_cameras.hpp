@@ -10,11 +10,13 @@
 
 namespace kasumi {
 
+constexpr std::size_t kMostAsked = 48;  // pictures whose air is estimated for their tone curves: more add little
+
 // The cameras by their pictures and by `before`. Pictures that cannot be read are skipped; they are reported when their
 // turn comes. `cameras`: EstimateInputs::cameras(). `kept`: later calls use the memory, so that a camera's only picture
 // counts, too.
 std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
                                                   const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
-                                                  bool kept, std::size_t threads);
+                                                  bool kept, std::size_t threads, std::size_t most_asked = kMostAsked);
 
 }  // namespace kasumi

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/utc_text.hpp"
-#include "pipeline/lab/photographs/estimate_csv.hpp"
+#include "pipeline/lab/archive/estimate_csv.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 

@@ -1,0 +1,208 @@
+// kasumi estimate --out, --shard, --resume and --merge, as a cluster's tasks run them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/run_kasumi.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+// Frames of the demo, each several times at other times, and one file that is no picture.
+class ArchiveCommand : public testing::Test {
+ protected:
+  static constexpr int kPictures = 24;
+  void SetUp() override {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder / "broken.png") << "no picture";
+    std::ofstream list(folder / "list");
+    for (int i = 0; i < kPictures; ++i)
+      list << (i == 13 ? in("broken.png") : frame(i % 6))
+           << fmt::format("\t2026-10-20T0{}:{:02}:00Z\n", 6 + i / 12, i % 12);
+  }
+  std::string in(const std::string& name) const { return (folder / name).string(); }
+  static std::string frame(int number) {
+    return fmt::format("{}/fixtures/demo/sky/frame-{:06}.jpg", source_folder().string(), number);
+  }
+  Outcome estimate(const std::string& arguments, const std::string& environment = "") const {
+    return run_kasumi(
+        fmt::format("estimate --calibration {}/fixtures/demo/fixture.toml {}", source_folder().string(), arguments),
+        "env -u SLURM_ARRAY_TASK_ID -u SGE_TASK_ID -u JOB_COMPLETION_INDEX " + environment);
+  }
+  Outcome shard(const std::string& name, const std::string& more, const std::string& environment = "") const {
+    return estimate(fmt::format("@{} --out {} {}", in("list"), in(name), more), environment);
+  }
+  std::string text(const std::string& name) const {
+    return read_text_file(folder / name).value_or("unreadable " + name);
+  }
+
+  const std::filesystem::path folder = test_folder("archive-command");
+};
+
+TEST_F(ArchiveCommand, MergedShardsAreByteForByteTheSingleRun) {
+  const auto single = shard("single.jsonl", "");
+  ASSERT_EQ(single.code, 0) << single.err;
+  EXPECT_EQ(single.out, "");
+  EXPECT_THAT(single.err, HasSubstr("1 could not be read"));
+  std::string parts;
+  for (int i = 1; i <= 5; ++i) {
+    const auto part = fmt::format("part-{}.jsonl", i);
+    const auto outcome = shard(part, fmt::format("--shard {}/5 --jobs {}", i, i));
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    parts = in(part) + " " + parts;
+  }
+  for (const char* table : {"all.jsonl", "all.csv", "all.sqlite"}) {
+    for (const auto& [of, from] : {std::pair{"one", in("single.jsonl")}, std::pair{"many", parts}}) {
+      std::filesystem::create_directories(folder / of);
+      const auto merged = run_kasumi(fmt::format("estimate --merge {} --out {}/{}", from, in(of), table));
+      ASSERT_EQ(merged.code, 0) << merged.err;
+      EXPECT_THAT(merged.out, HasSubstr("24 pictures"));
+    }
+    EXPECT_EQ(text(std::string("many/") + table), text(std::string("one/") + table));
+  }
+  EXPECT_EQ(text("many/summary.html"), text("one/summary.html"));
+  EXPECT_EQ(text("many/all.jsonl"), text("single.jsonl"));
+}
+
+TEST_F(ArchiveCommand, ARecordIsTheAnswerOfJsonWithItsPlace) {
+  ASSERT_EQ(shard("part.jsonl", "--shard 1/1").code, 0);
+  const auto json = estimate(fmt::format("@{} --json", in("list")));
+  std::istringstream records(text("part.jsonl")), answers(json.out);
+  std::string record_line, answer_line;
+  int number = 0, unread = 0;
+  while (std::getline(records, record_line)) {
+    auto record = nlohmann::json::parse(record_line);
+    EXPECT_EQ(record["archive"]["picture"], ++number);
+    EXPECT_EQ(record["archive"]["of"], kPictures);
+    EXPECT_EQ(record["utc"], fmt::format("2026-10-20T0{}:{:02}:00Z", 6 + (number - 1) / 12, (number - 1) % 12));
+    if (number == 14) {
+      EXPECT_EQ(record["refused"], "could not be read");
+      EXPECT_THAT(record["reason"].get<std::string>(), HasSubstr("broken.png"));
+      ++unread;
+      continue;
+    }
+    EXPECT_EQ(record["refused"].is_null(), record["usable"].get<bool>());
+    for (const char* key : {"archive", "utc", "refused"}) record.erase(key);
+    ASSERT_TRUE(std::getline(answers, answer_line));
+    EXPECT_EQ(record, nlohmann::json::parse(answer_line));
+  }
+  EXPECT_EQ(number, kPictures);
+  EXPECT_EQ(unread, 1);
+}
+
+TEST_F(ArchiveCommand, AKilledTaskGoesOnWhereItWas) {
+  ASSERT_EQ(shard("whole.jsonl", "").code, 0);
+  const auto command = fmt::format("{} estimate --calibration {}/fixtures/demo/fixture.toml @{} --out {} --jobs 1",
+                                   kasumi_program().string(), source_folder().string(), in("list"), in("part.jsonl"));
+  const auto killed = fmt::format(
+      "{0} 2>/dev/null & pid=$!; while [ \"$(cat {1} 2>/dev/null | wc -l)\" -lt 5 ]; do sleep .01; done; kill -9 $pid; "
+      "wait $pid; test $? = 137",
+      command, in("part.jsonl"));
+  ASSERT_EQ(std::system(killed.c_str()), 0);  // NOLINT: a shell
+  const auto before = text("part.jsonl");
+  EXPECT_LT(before.size(), text("whole.jsonl").size());
+  std::ofstream(folder / "part.jsonl", std::ios::app | std::ios::binary) << R"({"image":"to)";
+  EXPECT_EQ(shard("part.jsonl", "").code, 2);  // not without --resume
+  const auto resumed = shard("part.jsonl", "--resume");
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_THAT(resumed.err, AllOf(HasSubstr("are there already"), HasSubstr("torn record of 12 bytes")));
+  EXPECT_EQ(text("part.jsonl"), text("whole.jsonl"));
+  const auto again = shard("part.jsonl", "--resume");
+  ASSERT_EQ(again.code, 0);
+  EXPECT_THAT(again.err, HasSubstr("0 more pictures"));
+  EXPECT_EQ(text("part.jsonl"), text("whole.jsonl"));
+}
+
+TEST_F(ArchiveCommand, TheArraysVariablesChooseTheShard) {
+  ASSERT_EQ(shard("given.jsonl", "--shard 3/12").code, 0);
+  const std::vector<std::string> engines{"SLURM_ARRAY_TASK_ID=9 SLURM_ARRAY_TASK_COUNT=12 SLURM_ARRAY_TASK_MIN=7",
+                                         "JOB_COMPLETION_INDEX=2 JOB_COMPLETIONS=12",
+                                         "SGE_TASK_ID=3 SGE_TASK_FIRST=1 SGE_TASK_LAST=12 SGE_TASK_STEPSIZE=1"};
+  for (const auto& engine : engines) {
+    std::filesystem::remove(folder / "part.jsonl");
+    const auto outcome = shard("part.jsonl", "", engine);
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("shard 3/12 by"), HasSubstr("pictures 5 to 6 of 24")));
+    EXPECT_EQ(text("part.jsonl"), text("given.jsonl")) << engine;
+  }
+  const auto half = shard("half.jsonl", "", "SLURM_ARRAY_TASK_ID=9 SLURM_ARRAY_TASK_MIN=7");
+  EXPECT_EQ(half.code, 2);
+  EXPECT_THAT(half.err, HasSubstr("SLURM_ARRAY_TASK_COUNT"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "half.jsonl"));
+}
+
+// A task array's variables have no say where a call asks for no part.
+TEST_F(ArchiveCommand, WithoutOutTheArrayChangesNothing) {
+  const auto plain = estimate(frame(0) + " " + frame(1) + " --json");
+  const auto task = estimate(frame(0) + " " + frame(1) + " --json", "SLURM_ARRAY_TASK_ID=9");
+  EXPECT_EQ(task.code, plain.code) << task.err;
+  EXPECT_EQ(task.out, plain.out);
+  EXPECT_EQ(std::ranges::count(task.out, '\n'), 2);
+}
+
+TEST_F(ArchiveCommand, OtherOptionsAndOtherListsAreRefused) {
+  ASSERT_EQ(shard("part.jsonl", "--shard 1/4").code, 0);
+  EXPECT_THAT(shard("part.jsonl", "--shard 1/4 --resume --samples 900").err, HasSubstr("other options"));
+  EXPECT_THAT(shard("part.jsonl", "--shard 2/4 --resume").err, HasSubstr("another shard"));
+  std::ofstream(folder / "list", std::ios::app) << frame(0) << "\n";
+  EXPECT_THAT(shard("part.jsonl", "--shard 1/4 --resume").err, HasSubstr("another list"));
+  ASSERT_EQ(shard("later.jsonl", "--shard 1/1").code, 0);
+  const auto merged =
+      run_kasumi(fmt::format("estimate --merge {} {} --out {}", in("part.jsonl"), in("later.jsonl"), in("all.csv")));
+  EXPECT_EQ(merged.code, 2);
+  EXPECT_THAT(merged.err, HasSubstr("another list"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "all.csv"));
+}
+
+TEST_F(ArchiveCommand, AListThatIsNotWholeIsNotBegun) {
+  const auto outcome = shard("part.jsonl", in("none.jpg"));
+  EXPECT_EQ(outcome.code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("none.jpg"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "part.jsonl"));
+}
+
+TEST_F(ArchiveCommand, TimesAreInNamesOfFilesAndFolders) {
+  std::filesystem::create_directories(folder / "sky/2026/10/20");
+  std::filesystem::copy_file(frame(0), folder / "sky/2026/10/20/1510.jpg");
+  std::filesystem::copy_file(frame(0), folder / "sky/2026/10/20/other.jpg");
+  const auto outcome = estimate(fmt::format("'{}' --time-format %Y/%m/%d/%H%M --utc-offset-h 9 --out {}",
+                                            in("sky/*/*/*/*.jpg"), in("part.jsonl")));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  std::istringstream lines(text("part.jsonl"));
+  std::string first, second;
+  std::getline(lines, first);
+  std::getline(lines, second);
+  EXPECT_EQ(nlohmann::json::parse(first)["utc"], "2026-10-20T06:10:00Z");
+  EXPECT_THAT(nlohmann::json::parse(second)["reason"].get<std::string>(), HasSubstr("no time like %Y/%m/%d/%H%M"));
+}
+
+// Of a camera that nobody calibrated each shard must know the same.
+TEST_F(ArchiveCommand, ALearntCameraIsTheSameForAllShards) {
+  const auto plain = fmt::format("@{} --lat 46.94 --lon 8.28", in("list"));
+  const auto learned = run_kasumi(fmt::format("estimate {} --learn-camera {}", plain, in("camera.toml")));
+  ASSERT_EQ(learned.code, 0) << learned.err;
+  const auto camera = text("camera.toml");
+  EXPECT_THAT(camera, HasSubstr("[[cameras]]"));
+  const auto run = [&](const std::string& name, const std::string& shard) {
+    const auto outcome = run_kasumi(
+        fmt::format("estimate {} --camera-memory {} --out {} --shard {}", plain, in("camera.toml"), in(name), shard));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+  };
+  run("all.jsonl", "1/1");
+  run("a.jsonl", "1/2");
+  run("b.jsonl", "2/2");
+  EXPECT_EQ(text("a.jsonl") + text("b.jsonl"), text("all.jsonl"));
+  EXPECT_EQ(text("camera.toml"), camera);
+}
+
+}  // namespace
+}  // namespace kasumi
