@@ -1,0 +1,77 @@
+// The examples for job engines, on the engines that are installed.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+
+#include "tests/pipeline/run_kasumi.hpp"
+
+namespace kasumi {
+namespace {
+
+class Engine : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    std::ofstream list(folder / "list");
+    for (int i = 0; i < 60; ++i)
+      list << fmt::format("{}/fixtures/demo/sky/frame-{:06}.jpg\t2026-10-20T06:{:02}:00Z\n", source_folder().string(),
+                          i % 6, i);
+  }
+  static bool is_installed(const std::string& program) {
+    return std::system(fmt::format("PATH=$PATH:/usr/sbin; command -v {} >/dev/null", program).c_str()) ==
+           0;  // NOLINT: a shell
+  }
+  // With this program as `kasumi`. Its exit status.
+  int run(const std::string& command) const {
+    const auto line = fmt::format("cd {} && PATH={}:/usr/sbin:$PATH && {} >>out 2>&1", folder.string(),
+                                  kasumi_program().parent_path().string(), command);
+    return std::system(line.c_str());  // NOLINT: a shell
+  }
+  static std::string calibrated() {
+    return fmt::format("--calibration {}/fixtures/demo/fixture.toml", source_folder().string());
+  }
+  static std::string example(const char* name) { return (source_folder() / "examples/archive" / name).string(); }
+  std::string text(const std::string& name) const {
+    return read_text_file(folder / name).value_or("unreadable " + name);
+  }
+  void expect_whole() const {
+    ASSERT_EQ(run("kasumi estimate @list --shard 1/1 --out single.jsonl " + calibrated()), 0) << text("out");
+    ASSERT_EQ(run("kasumi estimate --merge parts/*.jsonl --out all.jsonl"), 0) << text("out");
+    EXPECT_EQ(text("all.jsonl"), text("single.jsonl"));
+  }
+  const std::filesystem::path folder = test_folder("archive-engines");
+};
+
+TEST_F(Engine, ParallelDoesAllShardsAndGoesOnAfterAKill) {
+  if (!is_installed("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
+  const auto command = fmt::format("{} 5 list {}", example("parallel.sh"), calibrated());
+  // All that it started, too: its own session.
+  ASSERT_EQ(
+      run(fmt::format("(setsid {} & pid=$!; while [ \"$(cat parts/*.jsonl 2>/dev/null | wc -l)\" -lt 8 ]; do sleep "
+                      ".02; done; pkill -9 -s $pid; wait $pid; test $? = 137)",
+                      command)),
+      0)
+      << text("out");
+  ASSERT_NE(run("kasumi estimate --merge parts/*.jsonl --out all.jsonl"), 0);
+  ASSERT_EQ(run(command), 0) << text("out");
+  expect_whole();
+}
+
+// munged, slurmctld and slurmd of this machine alone, over loopback.
+TEST_F(Engine, SlurmsArraySurvivesRequeueAndKill) {
+  for (const char* program : {"munged", "slurmctld", "slurmd", "sbatch"})
+    if (!is_installed(program))
+      GTEST_SKIP() << program << " is not installed: apt install slurmctld slurmd slurm-client munge";
+  if (::geteuid() != 0) GTEST_SKIP() << "slurmd runs tasks as root only";
+  ASSERT_EQ(
+      run(source_folder().string() + "/tests/slurm-on-loopback " + example("slurm.sbatch") + " 6 list " + calibrated()),
+      0)
+      << text("out");
+  expect_whole();
+}
+
+}  // namespace
+}  // namespace kasumi
