@@ -1,4 +1,7 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 #include "pipeline/machine/progress.hpp"
 
@@ -22,6 +25,20 @@ TEST(Progress, WithoutATotalTellsHowManyAndHowFast) {
 TEST(Progress, BeforeTheFirstStepTellsNoRate) {
   EXPECT_EQ(progress_text("replay", 0, 4, seconds(6)), "replay [..............................] 0/4");
   EXPECT_EQ(progress_text("replay", 0, 0, seconds(6)), "replay [##############################] 0/0");
+}
+
+// What a cluster's task leaves in its log.
+TEST(Progress, IsALineNowAndThenInALogWhereThatIsAsked) {
+  testing::internal::CaptureStderr();
+  {
+    Progress silent("silent", 2), spoken("shard 3/40", 2, std::chrono::seconds(0)),
+        rare("rare", 2, std::chrono::hours(1));
+    for (Progress* progress : {&silent, &spoken, &rare}) progress->advance("");
+  }
+  const auto text = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(text, testing::StartsWith("kasumi: shard 3/40 ["));
+  EXPECT_THAT(text, testing::HasSubstr("1/2"));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 1);
 }
 
 }  // namespace

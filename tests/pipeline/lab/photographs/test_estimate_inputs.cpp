@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -70,6 +71,29 @@ TEST_F(GivenInputs, AreTakenInTheOrderGiven) {
   EXPECT_THAT(files_of({in("two[1].jpg"), "@" + in("list"), in("sky"), in("one.png")}),
               ElementsAre("two[1].jpg", "x.png", "y.png", " z.png", "sky/a.jpeg", "sky/b.JPG", "one.png"));
   EXPECT_THAT(problems, IsEmpty());
+}
+
+// Of 480 days with a picture each ten minutes: even steps would all meet the same hour.
+TEST_F(GivenInputs, ASampleMeetsAllHoursAndSeasons) {
+  constexpr std::size_t kPictures = 144 * 480, kSample = 480;
+  std::ofstream list(folder / "long");
+  for (std::size_t i = 0; i < kPictures; ++i) list << i << ".jpg\n";
+  list.close();
+  arguments.images = {"@" + in("long")};
+  const auto expanded = EstimateInputs::expand(arguments);
+  ASSERT_TRUE(expanded) << expanded.error().message;
+  std::vector<int> hours(24), seasons(16);
+  std::set<std::string> files;
+  for (const auto& input : expanded->sample(kSample)) {
+    const auto number = std::stoul(input.file.stem().string());
+    ++hours[number % 144 / 6];
+    ++seasons[number * seasons.size() / kPictures];
+    files.insert(input.file.string());
+  }
+  EXPECT_EQ(files.size(), kSample);
+  for (const int pictures : hours) EXPECT_GE(pictures, 10);
+  for (const int pictures : seasons) EXPECT_GE(pictures, 25);
+  EXPECT_EQ(expanded->sample(2 * kPictures).size(), kPictures);
 }
 
 TEST_F(GivenInputs, AListHasItsTimesAndItsWrongOnesAreTold) {
