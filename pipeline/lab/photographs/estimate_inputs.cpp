@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <iterator>
 #include <numbers>
 #include <set>
-#include <sstream>
 
 #include <glob.h>
 #include <poll.h>
@@ -84,7 +84,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
     }
     of_command_line_ = true;
     std::ios::sync_with_stdio(false);  // else available lines cannot be counted
-    inputs_.push_back({{}, true});
+    inputs_.emplace_back();
   } else if (is_there(word)) {
     add_path(arguments, word);
   } else if (word.starts_with("@")) {
@@ -99,7 +99,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
 void EstimateInputs::add_path(const EstimateArguments& arguments, const std::filesystem::path& path) {
   if (!is_folder(path)) {
     of_command_line_ = true;
-    inputs_.push_back({{path, {}, {}, 0}});
+    add(SkyInput{path, {}, {}, 0});
   } else if (is_there(path / kFixtureFile)) {
     add_recording(arguments, path);
   } else {
@@ -116,16 +116,14 @@ void EstimateInputs::add_pattern(const EstimateArguments& arguments, const std::
 }
 
 void EstimateInputs::add_list(const std::filesystem::path& file) {
-  const auto text = is_folder(file) ? fail(FaultKind::bad_input, "{}: expected a list, not a folder", file.string())
-                                    : read_text_file(file, {.or_pipe = true});
+  auto text = is_folder(file) ? fail(FaultKind::bad_input, "{}: expected a list, not a folder", file.string())
+                              : read_text_file(file, {.or_pipe = true});
   if (!text) {
     problems_.add("@{}", text.error().message);
     return;
   }
   const auto before = inputs_.size();
-  std::istringstream lines(*text);
-  for (std::string line; std::getline(lines, line);)
-    if (!line.empty() && line != "\r") inputs_.push_back({input_of_line(line)});
+  add_lines(std::move(*text), inputs_);
   if (inputs_.size() == before) problems_.add("@{}: an empty list, expected one path a line", file.string());
   of_command_line_ = of_command_line_ || inputs_.size() > before;
 }
@@ -134,7 +132,7 @@ void EstimateInputs::add_folder(const std::filesystem::path& folder) {
   auto files = pictures_in(folder);
   std::erase_if(files, [](const auto& file) { return !is_sky_picture(file); });
   if (files.empty()) problems_.add("{}: a folder without any picture", folder.string());
-  for (auto& file : files) inputs_.push_back({{std::move(file), {}, {}, 0}});
+  for (auto& file : files) add(SkyInput{std::move(file), {}, {}, 0});
   of_command_line_ = of_command_line_ || !files.empty();
 }
 
@@ -168,7 +166,7 @@ void EstimateInputs::add_recording(const EstimateArguments& arguments, const std
     }
     if (row.metadata.status == FrameStatus::flagged && !arguments.allow_damaged)
       input.problem = fmt::format("{}: the camera's driver says that it is damaged", input.file.string());
-    inputs_.push_back({std::move(input)});
+    add(std::move(input));
   }
   if (inputs_.size() == before) problems_.add("{}: a recording without any picture of the sky", folder.string());
   of_command_line_ = of_command_line_ || (camera == 0 && inputs_.size() > before);
@@ -181,7 +179,7 @@ std::optional<std::size_t> EstimateInputs::count() const {
 
 std::optional<SkyInput> EstimateInputs::take(bool wait) {
   while (at_ < inputs_.size()) {
-    if (!inputs_[at_].standard_input) return std::move(inputs_[at_++].input);
+    if (!inputs_[at_].standard_input()) return input_of(inputs_[at_++]);
     if (!wait && !line_is_there()) return std::nullopt;
     std::string line;
     if (!std::getline(std::cin, line))
@@ -226,16 +224,38 @@ SkyInput EstimateInputs::timed(SkyInput input) const {
   return input;
 }
 
+void EstimateInputs::add_lines(std::string text, std::vector<Entry>& entries) {
+  const auto& list = *lists_.emplace_back(std::make_unique<const std::string>(std::move(text)));
+  for (std::size_t begin = 0; begin < list.size();) {
+    const auto end = std::min(list.find('\n', begin), list.size());
+    if (end > begin && list.compare(begin, end - begin, "\r") != 0)
+      entries.push_back({nullptr, &list, begin, end - begin});
+    begin = end + 1;
+  }
+}
+
+SkyInput EstimateInputs::input_of(const Entry& entry) {
+  return entry.input ? *entry.input : input_of_line(entry.lines->substr(entry.begin, entry.length));
+}
+
 void EstimateInputs::complete() {
   if (count()) return;
   std::vector<Entry> whole;
-  while (auto input = take(true)) whole.push_back({std::move(*input)});
+  for (auto& entry : inputs_) {
+    if (!entry.standard_input()) {
+      whole.push_back(std::move(entry));
+      continue;
+    }
+    std::string text;
+    for (std::string line; std::getline(std::cin, line);) text += line + '\n';
+    add_lines(std::move(text), whole);
+  }
   inputs_ = std::move(whole);
-  at_ = 0;
 }
 
 void EstimateInputs::add_to(Fingerprint& fingerprint) const {
-  for (const auto& [input, _] : inputs_) {
+  for (const auto& entry : inputs_) {
+    const auto input = input_of(entry);
     fingerprint.add(input.file.native());
     fingerprint.add(input.utc ? utc_text(*input.utc) : "");
   }
@@ -255,7 +275,7 @@ std::vector<SkyInput> EstimateInputs::sample(std::size_t most) const {
   for (std::size_t k = 0; taken.size() < std::min(most, inputs_.size()); ++k) {
     const double share = std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
     const auto at = std::min(inputs_.size() - 1, static_cast<std::size_t>(share * count));
-    if (taken.insert(at).second) some.push_back(timed(inputs_[at].input));
+    if (taken.insert(at).second) some.push_back(timed(input_of(inputs_[at])));
   }
   return some;
 }

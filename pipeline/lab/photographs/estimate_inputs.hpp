@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,10 +63,17 @@ class EstimateInputs {
   }
 
  private:
+  // Small, since a list may have a million: its lines are taken apart when their turn comes.
   struct Entry {
-    SkyInput input;
-    bool standard_input = false;  // a list is read from there; no picture
+    std::unique_ptr<SkyInput> input;     // null: a line of a list, or standard input, where a list is read
+    const std::string* lines = nullptr;  // of the list
+    std::size_t begin = 0, length = 0;
+    bool standard_input() const { return !input && !lines; }
   };
+  void add(SkyInput input) { inputs_.push_back({std::make_unique<SkyInput>(std::move(input))}); }
+  // Adds the lines of a list that are not empty.
+  void add_lines(std::string text, std::vector<Entry>& entries);
+  static SkyInput input_of(const Entry& entry);
   void add(const EstimateArguments& arguments, const std::string& word);
   void add_path(const EstimateArguments& arguments, const std::filesystem::path& path);
   void add_pattern(const EstimateArguments& arguments, const std::string& pattern);
@@ -77,6 +85,7 @@ class EstimateInputs {
   SkyInput timed(SkyInput input) const;
 
   std::vector<Entry> inputs_;
+  std::deque<std::unique_ptr<const std::string>> lists_;
   std::size_t at_ = 0;
   std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
   std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
