@@ -147,7 +147,7 @@ TEST_F(EstimateCommand, WhereNothingIsUsableTheExitCodeIsOneAndSaysWhy) {
   const auto black = test_folder("command") / "black.png";
   ASSERT_TRUE(write_png(black, Image<Rgb8>(400, 400)));
   const auto outcome = ended(1, run_kasumi("estimate --json " + camera + " " + black.string()));
-  EXPECT_THAT(outcome.err, HasSubstr("the picture does not tell the air: "));
+  EXPECT_THAT(outcome.err, HasSubstr("the picture does not determine the air: "));
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_FALSE(json["usable"]);
   EXPECT_FALSE(json["reason"].get<std::string>().empty());
