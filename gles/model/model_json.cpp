@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
@@ -78,6 +79,35 @@ std::uint32_t word(std::span<const std::uint8_t> file, std::size_t at) {
          static_cast<std::uint32_t>(file[at + 2]) << 16 | static_cast<std::uint32_t>(file[at + 3]) << 24;
 }
 
+// The library that parses takes a picture's bytes out of its buffer without looking whether they lie in it.
+void check_picture_views(const nlohmann::json& document, std::string_view name, Problems& problems) {
+  const auto element = [&](const char* list, const nlohmann::json& of, const char* key) -> const nlohmann::json* {
+    const auto all = document.find(list);
+    const auto at = of.find(key);
+    if (all == document.end() || !all->is_array() || at == of.end() || !at->is_number_unsigned()) return nullptr;
+    const auto index = at->get<std::uint64_t>();
+    return index < all->size() && (*all)[index].is_object() ? &(*all)[index] : nullptr;
+  };
+  const auto number = [](const nlohmann::json& of, const char* key) -> std::optional<std::uint64_t> {
+    const auto at = of.find(key);
+    if (at == of.end()) return 0;
+    return at->is_number_unsigned() ? std::optional(at->get<std::uint64_t>()) : std::nullopt;
+  };
+  const auto lies_within = [&](const nlohmann::json& image) {
+    const auto* view = element("bufferViews", image, "bufferView");
+    const auto* buffer = view != nullptr ? element("buffers", *view, "buffer") : nullptr;
+    if (buffer == nullptr) return false;
+    const auto size = is_hollow(*buffer) ? std::optional<std::uint64_t>(1) : number(*buffer, "byteLength");
+    const auto offset = number(*view, "byteOffset"), length = number(*view, "byteLength");
+    return size && offset && length && *offset <= *size && *length <= *size - *offset;
+  };
+  const auto images = document.find("images");
+  if (images == document.end() || !images->is_array()) return;
+  for (std::size_t i = 0; i < images->size(); ++i)
+    if ((*images)[i].is_object() && (*images)[i].contains("bufferView") && !lies_within((*images)[i]))
+      problems.add("{}: images {}: its buffer view does not lie within a buffer", name, i);
+}
+
 }  // namespace
 
 Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::string_view name) {
@@ -131,6 +161,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
     claims.to_mend = std::ranges::any_of(*buffers, is_hollow);
   each_without_indices(document, [&](const nlohmann::json&) { claims.to_mend = true; });
   each_data_uri(document, [&](const nlohmann::json&, const std::string&) { claims.to_mend = true; });
+  check_picture_views(document, name, problems);
   if (!problems.empty()) return fail(problems.fault());
   return claims;
 }

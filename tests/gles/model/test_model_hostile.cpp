@@ -103,6 +103,12 @@ TEST(HostileModel, EachFalseClaimIsRefusedByName) {
        [](GltfFile& f) { f.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 8; },
        "texture 8: there are 1"},
       {"an image that is not there", [](GltfFile& f) { f.json["textures"][0]["source"] = 8; }, "8"},
+      {"an image beyond its buffer",
+       [](GltfFile& f) {
+         f.json["images"][0] = {{"mimeType", "image/png"}, {"bufferView", f.json["bufferViews"].size()}};
+         f.json["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 8}, {"byteLength", 100000}});
+       },
+       "images 0: its buffer view does not lie within a buffer"},
       {"an image that is none", [](GltfFile& f) { f.json["images"][0]["uri"] = "data:image/png;base64,AAAA"; },
        "image 0"},
       {"an image half there",
