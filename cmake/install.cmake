@@ -58,8 +58,8 @@ function(install_changelog package component)
   execute_process(COMMAND gzip -9n --force ${file} COMMAND_ERROR_IS_FATAL ANY)
   install(FILES ${file}.gz DESTINATION share/doc/${package} COMPONENT ${component} ${ARGN})
 endfunction()
-# Who answers for the packages: whoever builds them for others says so, as Debian's own tools are told.
-set(KASUMI_MAINTAINER "" CACHE STRING "Whom the Debian packages name: \"Name <address>\"; empty: $DEBFULLNAME <$DEBEMAIL>")
+# The packages' maintainer: set when building for others, as for Debian's own tools.
+set(KASUMI_MAINTAINER "" CACHE STRING "Maintainer of the Debian packages: \"Name <address>\"; empty: $DEBFULLNAME <$DEBEMAIL>")
 if(KASUMI_MAINTAINER)
   set(CPACK_PACKAGE_CONTACT "${KASUMI_MAINTAINER}")
 elseif(NOT "$ENV{DEBEMAIL}" STREQUAL "")

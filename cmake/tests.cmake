@@ -14,7 +14,7 @@
 if(NOT CMAKE_CROSSCOMPILING AND NOT KASUMI_FUZZ)
   find_program(KASUMI_MOLD mold)
 endif()
-option(KASUMI_LEAVE_TO_SANITIZERS "Whoever tests runs the sanitizers, too" OFF)
+option(KASUMI_LEAVE_TO_SANITIZERS "The sanitizer builds run some tests, so this build leaves them out" OFF)
 foreach(kind threaded hostile figures)
   add_custom_target(${kind}_tests)
 endforeach()
