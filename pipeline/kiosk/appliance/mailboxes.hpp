@@ -147,9 +147,12 @@ struct SnapshotMailbox {
 // Signs of progress: counts that grow.
 struct ProvingMailbox : Mailbox {
   ProvingMailbox() : Mailbox("proving") {}
-  void see(std::uint64_t pictures, bool is_closed) { scene_pictures = pictures, closed = is_closed; }
+  void see(std::uint64_t pictures, Duration interval, bool is_closed) {
+    scene_pictures = pictures, scene_interval = interval, closed = is_closed;
+  }
   std::atomic<std::uint64_t> alive = 0;           // the service manager was told so
   std::atomic<std::uint64_t> scene_pictures = 0;  // shown
+  std::atomic<Duration> scene_interval{};         // of the scene camera; 0: unknown
   std::atomic<std::uint64_t> scene_frames = 0;    // whole, of the camera
   std::atomic<bool> closed = false;               // nothing is shown, on purpose
 };

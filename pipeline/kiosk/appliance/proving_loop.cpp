@@ -35,9 +35,12 @@ ProvingLoop::ProvingLoop(ContentPtr content, ProvingOptions options, ProvingPlac
   mailboxes_.status->probation.put(probation_.status());
 }
 
-bool ProvingLoop::Proof::advance(std::uint64_t count, Duration by) {
-  if (count == last) return false;
-  last = count;
+bool ProvingLoop::Proof::advance(std::uint64_t count, Duration by, Duration patience) {
+  if (count != last)
+    last = count, since = Duration{};
+  else if (since)
+    *since += by;
+  if (!since || *since > patience) return false;
   lasted += by;
   return true;
 }
@@ -48,6 +51,7 @@ Instant ProvingLoop::step() {
   if (const auto content = mailboxes_.proving.content.take()) {
     content_ = *content;
     scene_.lasted = {};
+    scene_.since = camera_.since = {};
     kept_ = keeping_failed_ = false;
     keep_at_ = {};
     probation_.adopt(*content_, clock_.utc());
@@ -57,8 +61,9 @@ Instant ProvingLoop::step() {
   const auto passed = std::min<Duration>(now - stepped_, 2 * kProvingInterval);
   stepped_ = now;
   const bool alive = alive_.advance(mailboxes_.proving.alive, passed);
-  const bool scene = scene_.advance(mailboxes_.proving.scene_pictures, passed);
-  const bool camera = camera_.advance(mailboxes_.proving.scene_frames, passed);
+  const Duration patience = mailboxes_.proving.scene_interval.load() * 5 / 2;  // as with a stall
+  const bool scene = scene_.advance(mailboxes_.proving.scene_pictures, passed, patience);
+  const bool camera = camera_.advance(mailboxes_.proving.scene_frames, passed, patience);
   if (auto* starts = options_.starts) {
     if (alive && !std::exchange(shown_, true)) {
       starts->shown();

@@ -34,7 +34,9 @@ class ProvingLoop {
   struct Proof {
     std::uint64_t last = 0;
     Duration lasted{};
-    bool advance(std::uint64_t count, Duration by);
+    std::optional<Duration> since{};  // the count last grew
+    // Whether it goes on: the count grew, or did so less than `patience` ago.
+    bool advance(std::uint64_t count, Duration by, Duration patience = {});
   };
   void keep();
   Probation::FailingChecks ask_doctor(Duration passed);

@@ -456,7 +456,7 @@ void RenderLoop::publish() {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();
   }
-  mailboxes_.proving.see(status_.scene_frames, status_.rung.shown == Shown::dark);
+  mailboxes_.proving.see(status_.scene_frames, camera_.frame_interval, status_.rung.shown == Shown::dark);
   mailboxes_.status->render.put(status_);
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pipeline/kiosk/appliance/proving_loop.hpp"
 #include "pipeline/kiosk/content/probation.hpp"
 #include "tests/pipeline/kiosk/content/kiosk_rig.hpp"
 
@@ -123,6 +124,31 @@ TEST_F(OnProbation, TriedOnceMoreItHasHalfAnHourAgain) {
   EXPECT_EQ(shown(), "Summer");
   EXPECT_TRUE(generations.current()->on_probation()) << "the pictures of before do not count";
   pass(2min, true);
+  EXPECT_TRUE(generations.current()->proven);
+}
+
+// A camera that gives a picture every 20 s, between the looks of the loop too.
+TEST_F(OnProbation, ASlowCamerasPicturesCountUntilItStalls) {
+  ManualClock clock(now);
+  Mailboxes mailboxes;
+  Content content;
+  content.files.push_back({generations.config_of(*generations.find(summer))});
+  ProvingLoop proving(std::make_shared<const Content>(std::move(content)), {}, {place, {}, [this] { ++reloads; }},
+                      clock, mailboxes);
+  std::uint64_t pictures = 0;
+  const auto look = [&](Duration by, bool goes_on) {
+    for (Duration done{}; done < by; done += kStep) {
+      clock.advance(kStep);
+      if (goes_on && done % 20s == Duration{}) ++pictures;
+      mailboxes.proving.see(pictures, 20s, false);
+      proving.step();
+    }
+  };
+  look(5min, true);
+  look(15min, false);
+  look(4min, true);
+  EXPECT_TRUE(generations.current()->on_probation()) << "what stands still proves nothing";
+  look(1min, true);
   EXPECT_TRUE(generations.current()->proven);
 }
 
