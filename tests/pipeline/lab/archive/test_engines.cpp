@@ -30,6 +30,13 @@ class Engine : public testing::Test {
                                   kasumi_program().parent_path().string(), command);
     return std::system(line.c_str());  // NOLINT: a shell
   }
+  // With all that it started: its own session. Fails where it ends before.
+  static std::string killed_after_8_pictures(const std::string& command) {
+    return fmt::format(
+        "(setsid {} & pid=$!; while kill -0 $pid && [ \"$(cat parts/*.jsonl | wc -l)\" -lt 8 ]; do sleep "
+        ".02; done 2>/dev/null; pkill -9 -s $pid; wait $pid; test $? = 137)",
+        command);
+  }
   static std::string calibrated() {
     return fmt::format("--calibration {}/fixtures/demo/fixture.toml", source_folder().string());
   }
@@ -48,15 +55,33 @@ class Engine : public testing::Test {
 TEST_F(Engine, ParallelDoesAllShardsAndGoesOnAfterAKill) {
   if (!is_installed("parallel")) GTEST_SKIP() << "GNU parallel is not installed";
   const auto command = fmt::format("{} 5 list {}", example("parallel.sh"), calibrated());
-  // All that it started, too: its own session.
-  ASSERT_EQ(
-      run(fmt::format("(setsid {} & pid=$!; while [ \"$(cat parts/*.jsonl 2>/dev/null | wc -l)\" -lt 8 ]; do sleep "
-                      ".02; done; pkill -9 -s $pid; wait $pid; test $? = 137)",
-                      command)),
-      0)
-      << text("out");
+  ASSERT_EQ(run(killed_after_8_pictures(command)), 0) << text("out");
   ASSERT_NE(run("kasumi estimate --merge parts/*.jsonl --out all.jsonl"), 0);
   ASSERT_EQ(run(command), 0) << text("out");
+  expect_whole();
+}
+
+// Killed with all that it started, the same goes on: no part is made anew.
+TEST_F(Engine, SnakemakeGoesOnAfterAKill) {
+  if (!is_installed("snakemake")) GTEST_SKIP() << "snakemake is not installed";
+  const auto snakemake = fmt::format(
+      "XDG_CACHE_HOME=$PWD/cache snakemake --quiet --snakefile {} --cores 2 --config list=list shards=5 options='{}'",
+      example("Snakefile"), calibrated());
+  ASSERT_EQ(run(killed_after_8_pictures("sh -c \"" + snakemake + "\"")), 0) << text("out");
+  ASSERT_EQ(run(fmt::format("({0} --unlock && {0} --rerun-incomplete)", snakemake)), 0) << text("out");
+  EXPECT_THAT(text("out"), testing::ContainsRegex("[1-9][0-9]* are there already"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "archive.sqlite"));
+  expect_whole();
+}
+
+// Of two workers one dies; its process ends with it, or the part would stay locked.
+TEST_F(Engine, DaskGoesOnAfterAWorkersDeath) {
+  if (!is_installed("dask-scheduler")) GTEST_SKIP() << "Dask is not installed: apt install python3-distributed";
+  ASSERT_EQ(run(fmt::format("{}/tests/dask-on-loopback {} 5 list {}", source_folder().string(),
+                            example("dask_shards.py"), calibrated())),
+            0)
+      << text("out");
+  EXPECT_THAT(text("out"), testing::ContainsRegex("[1-9][0-9]* are there already"));
   expect_whole();
 }
 
