@@ -23,7 +23,15 @@ namespace kasumi {
 class ImageDevice;
 struct GlInfo;
 
+// Who mixes the camera's picture and the object's layer into what is shown.
+enum class Mixing {
+  automatic,  // the processor where GL is software, else the GPU
+  gpu,
+  processor,
+};
+
 struct RendererOptions {
+  Mixing mixing = Mixing::gpu;
   bool force_rgba8 = false;             // keep the layer in 8 bits (square roots) even if the driver has half floats
   bool force_encoded_textures = false;  // decode sRGB after filtering even if the driver has sRGB textures
   bool force_packed_shadows = false;    // shadow map depth in bytes even if the driver has depth textures

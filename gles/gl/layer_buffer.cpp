@@ -37,6 +37,15 @@ Result<LayerBuffer> LayerBuffer::create(int width, int height, bool in_8_bits, c
   return made;
 }
 
+Result<Image<glm::u8vec4>> read_pixels(const LayerBuffer& buffer, int width, int height) {
+  Image<glm::u8vec4> pixels(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels.elements().data());
+  if (auto read = check_gl("reading pixels back"); !read) return fail(read.error());
+  return pixels;
+}
+
 void draw_square() {
   constexpr std::array<float, 8> kCorners{-1, -1, 1, -1, -1, 1, 1, 1};
   glBindBuffer(GL_ARRAY_BUFFER, 0);

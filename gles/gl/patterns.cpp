@@ -46,8 +46,8 @@ GlTexture make_pattern(int unit, GLenum format, int size, const std::uint8_t* te
 }  // namespace
 
 // Bayer matrix: every 2 x 2, 4 x 4 and 8 x 8 block holds evenly spaced thresholds.
-GlTexture make_dither_pattern() {
-  std::array<std::uint8_t, 64> texels{};
+Image<std::uint8_t> dither_texels() {
+  Image<std::uint8_t> texels(kDitherSize, kDitherSize);
   for (unsigned y = 0; y < 8; ++y)
     for (unsigned x = 0; x < 8; ++x) {
       unsigned rank = 0;
@@ -55,14 +55,25 @@ GlTexture make_dither_pattern() {
         const unsigned bx = (x >> bit) & 1u, by = (y >> bit) & 1u;
         rank += ((((bx ^ by) << 1u) | by) << (2u * (2u - bit)));
       }
-      texels[8 * y + x] = static_cast<std::uint8_t>(4 * rank + 2);
+      texels.elements()[8 * y + x] = static_cast<std::uint8_t>(4 * rank + 2);
     }
-  return make_pattern(kDitherUnit, GL_LUMINANCE, 8, texels.data());
+  return texels;
+}
+
+Image<glm::u8vec3> noise_texels() {
+  const auto numbers = normal_texels(std::size_t{3} * kNoiseSize * kNoiseSize);
+  Image<glm::u8vec3> texels(kNoiseSize, kNoiseSize);
+  for (std::size_t i = 0; i < texels.elements().size(); ++i)
+    texels.elements()[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+  return texels;
+}
+
+GlTexture make_dither_pattern() {
+  return make_pattern(kDitherUnit, GL_LUMINANCE, kDitherSize, dither_texels().elements().data());
 }
 
 GlTexture make_noise_pattern() {
-  const auto texels = normal_texels(std::size_t{3} * kNoiseSize * kNoiseSize);
-  return make_pattern(kNoiseUnit, GL_RGB, kNoiseSize, texels.data());
+  return make_pattern(kNoiseUnit, GL_RGB, kNoiseSize, &noise_texels().elements().front().x);
 }
 
 // Spreads consecutive numbers far apart (the finaliser of SplitMix64).

@@ -5,44 +5,15 @@
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"
 #include "gles/gpu_model/projection.hpp"
+#include "gles/object/changed_blocks.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kBlock = 16;                                     // pixels of a colour difference's 8 x 8 block, at most
 constexpr int kSteps = 8;                                      // of a block's coefficients, each way
 constexpr std::string_view kWhat = "the camera's processing";  // in messages
 
-PixelBox around(const std::vector<PixelBox>& boxes) {
-  PixelBox whole;
-  for (const PixelBox& box : boxes) whole = united(whole, box);
-  return whole;
-}
-
-// Whole blocks around the changed pixels and their neighbours.
-PixelBox blocks_around(const PixelBox& changed) {
-  const auto down = [](int pixel) { return std::max(pixel - 1, 0) / kBlock * kBlock; };
-  const auto up = [](int pixel) { return (pixel + kBlock) / kBlock * kBlock; };
-  return {down(changed.left), down(changed.top), up(changed.right), up(changed.bottom)};
-}
-
-// By rows of blocks of `part`, 0 or 1 each.
-using BlockMap = Image<std::uint8_t>;
-
-// The blocks that hold a changed pixel or its neighbour.
-BlockMap blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
-  const int columns = (part.right - part.left) / kBlock, rows = (part.bottom - part.top) / kBlock;
-  BlockMap taken(columns, rows, 0);
-  for (const PixelBox& box : changed) {
-    const PixelBox blocks = blocks_around(box);
-    for (int y = (blocks.top - part.top) / kBlock; y < std::min((blocks.bottom - part.top) / kBlock, rows); ++y)
-      for (int x = (blocks.left - part.left) / kBlock; x < std::min((blocks.right - part.left) / kBlock, columns); ++x)
-        taken.at(x, y) = 1;
-  }
-  return taken;
-}
-
-// Those of them in which something else is to be seen than the object, or next to which.
+// Blocks of the object in which something else is to be seen, or next to which.
 BlockMap live_blocks_of(const PixelBox& part, const ObjectInPicture& object) {
   BlockMap live = blocks_of(part, object.changed);
   const int width = part.right - part.left, height = part.bottom - part.top;
@@ -51,14 +22,14 @@ BlockMap live_blocks_of(const PixelBox& part, const ObjectInPicture& object) {
     for (int y = box.top; y < box.bottom; ++y)
       std::fill_n(&covered.at(box.left - part.left, y - part.top), box.right - box.left, std::uint8_t{1});
   const auto is_covered = [&](int left, int top) {
-    for (int y = top - 1; y <= top + kBlock; ++y)
-      for (int x = left - 1; x <= left + kBlock; ++x)
+    for (int y = top - 1; y <= top + kBlock_px; ++y)
+      for (int x = left - 1; x <= left + kBlock_px; ++x)
         if (x < 0 || y < 0 || x >= width || y >= height || covered.at(x, y) == 0) return false;
     return true;
   };
   for (int y = 0; y < live.height(); ++y)
     for (int x = 0; x < live.width(); ++x)
-      if (live.at(x, y) && is_covered(x * kBlock, y * kBlock)) live.at(x, y) = 0;
+      if (live.at(x, y) && is_covered(x * kBlock_px, y * kBlock_px)) live.at(x, y) = 0;
   return live;
 }
 
@@ -66,18 +37,6 @@ BlockMap live_blocks_of(const PixelBox& part, const ObjectInPicture& object) {
 PixelBox with_neighbours(const PixelBox& box, const PixelBox& part, glm::ivec2 picture) {
   return {std::max(part.left + box.left - 1, 0), std::max(part.top + box.top - 1, 0),
           std::min(part.left + box.right + 1, picture.x), std::min(part.top + box.bottom + 1, picture.y)};
-}
-
-// In rectangles of a row of blocks each, in pixels from the part's corner.
-std::vector<PixelBox> rectangles_of(const BlockMap& blocks) {
-  std::vector<PixelBox> found;
-  for (int y = 0; y < blocks.height(); ++y)
-    for (int x = 0; x < blocks.width();) {
-      const int first = x;
-      while (x < blocks.width() && blocks.at(x, y) == blocks.at(first, y)) ++x;
-      if (blocks.at(first, y)) found.push_back({first * kBlock, y * kBlock, x * kBlock, (y + 1) * kBlock});
-    }
-  return found;
 }
 
 // As jpeg.frag has them. Steps above 255 levels leave nothing, as 255 does.
@@ -114,7 +73,7 @@ Result<CameraProcessing> CameraProcessing::create(const ObjectInPicture& object,
   made.info_ = &info;
   made.options_ = std::move(options);
   made.object_ = object;
-  made.part_ = blocks_around(around(object.changed));
+  made.part_ = blocks_around(object.changed);
   const auto live = rectangles_of(live_blocks_of(made.part_, object));
   made.blocks_ = PictureMesh::upload({rectangles_of(blocks_of(made.part_, object.changed))});
   made.live_blocks_ = PictureMesh::upload({live});

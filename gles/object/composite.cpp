@@ -208,6 +208,27 @@ Result<> Composite::finish(Programs& programs, const CameraFrame& frame, const P
   return {};
 }
 
+Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, const CameraFrame& frame,
+                                                            const ObjectLayer& layer, const AirlightGrid& measured,
+                                                            const SensorNoise& noise, const GlInfo& info) {
+  const PictureOnTarget shown(covered_, frame.camera.width, frame.camera.height);
+  if (auto done = finish(programs, frame, shown, layer, measured, noise, info); !done) return fail(done.error());
+  if (frame.passers || mesh_.mesh->empty(PictureArea::covered)) return nullptr;
+  if (is_finished_) return finished_.read();
+  const int width = covered_.right - covered_.left, height = covered_.bottom - covered_.top;
+  const auto buffer = LayerBuffer::create(width, height, true, info, "the object's pixels");
+  if (!buffer) return fail(buffer.error());
+  glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
+  if (auto drawn =
+          draw_area(PictureArea::covered, nullptr, {}, programs, frame, shown, layer, measured, noise, nullptr);
+      !drawn)
+    return fail(drawn.error());
+  auto pixels = read_pixels(*buffer, width, height);
+  if (!pixels) return fail(pixels.error());
+  not_kept_ = std::move(*pixels);
+  return &not_kept_;
+}
+
 Result<> Composite::draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
   const auto program = programs.find(ProgramKind::picture, {"COVERED", "LAYOUT_RGB", "PROCESSED"});
   if (!program) return fail(program.error());

@@ -55,6 +55,14 @@ class Composite {
   // another framebuffer.
   Result<> finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                   const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
+  // What draw() shows where the object covers the picture fully, of covered(), for the processor to mix; null: nowhere.
+  // It is drawn only when finish() would. Errors: device.
+  Result<const Image<glm::u8vec4>*> covered_pixels(Programs& programs, const CameraFrame& frame,
+                                                   const ObjectLayer& layer, const AirlightGrid& measured,
+                                                   const SensorNoise& noise, const GlInfo& info);
+  const std::vector<PixelBox>& rectangles(PictureArea area) const {
+    return rectangles_[static_cast<std::size_t>(area)];
+  }
   // `processing`, already applied, stands for layer, airlight and noise; null: none.
   Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                 const AirlightGrid& measured, const SensorNoise& noise, const CameraProcessing* processing = nullptr);
@@ -104,8 +112,9 @@ class Composite {
   std::optional<PictureMesh> whole_;  // the same without a layer
   glm::ivec2 whole_size_{};
   FinishedPixels finished_;
-  bool is_finished_ = false;  // for the picture to be drawn
-  GlTexture noise_;           // created with the first frame that needs it
+  bool is_finished_ = false;     // for the picture to be drawn
+  Image<glm::u8vec4> not_kept_;  // covered_pixels() of a look that has just changed
+  GlTexture noise_;              // created with the first frame that needs it
 };
 
 }  // namespace kasumi

@@ -42,11 +42,22 @@ Result<bool> FinishedPixels::find(const PictureOnTarget& shown, const PixelBox& 
     kept.pixels = std::move(*made);
   }
   kept.look.reset();
+  kept.in_memory = {};
   glBindFramebuffer(GL_FRAMEBUFFER, kept.pixels.framebuffer.name());
   glViewport(picture_.x - part_.left, picture_.y - part_.top, picture_.width, picture_.height);
   if (auto drawn = draw(); !drawn) return fail(drawn.error());
   kept.look = look;
   return true;
+}
+
+Result<const Image<glm::u8vec4>*> FinishedPixels::read() {
+  Kept& kept = kept_[found_];
+  if (kept.in_memory.empty()) {
+    auto pixels = read_pixels(kept.pixels, part_.right - part_.left, part_.bottom - part_.top);
+    if (!pixels) return fail(pixels.error());
+    kept.in_memory = std::move(*pixels);
+  }
+  return &kept.in_memory;
 }
 
 void FinishedPixels::bind(const Program& program) const {

@@ -6,6 +6,9 @@
 #include <functional>
 #include <optional>
 
+#include <glm/gtc/type_precision.hpp>
+
+#include "base/image.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/layer_buffer.hpp"
 #include "gles/gl/program.hpp"
@@ -26,12 +29,15 @@ class FinishedPixels {
   // draw's.
   Result<bool> find(const PictureOnTarget& shown, const PixelBox& covered, const ObjectLook& look, const GlInfo& info,
                     const std::function<Result<>()>& draw);
+  // The same pixels in memory, those of the target's part that holds `covered`; read once. Errors: device.
+  Result<const Image<glm::u8vec4>*> read();
   // For picture.frag with PROCESSED, on the same target.
   void bind(const Program& program) const;
 
  private:
   struct Kept {
     LayerBuffer pixels;
+    Image<glm::u8vec4> in_memory;    // empty: not read
     std::optional<ObjectLook> look;  // empty: nothing has been drawn
   };
   void move_to(const PictureOnTarget& shown, const PixelBox& covered);

@@ -123,6 +123,7 @@ Result<Foreground> Foreground::upload(const Image<std::uint8_t>& mask, double po
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE_ALPHA, mask.width(), mask.height(), 0, GL_LUMINANCE_ALPHA,
                GL_UNSIGNED_BYTE, texels.elements().data());
+  made.texels_ = std::move(texels);
   set_filter(TextureFilter::nearest);
   clamp_to_edge();
   if (auto uploaded = check_gl("uploading the foreground mask"); !uploaded) return fail(uploaded.error());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include <glm/gtc/type_precision.hpp>
 #include <glm/vec2.hpp>
 
 #include "base/image.hpp"
@@ -21,11 +22,14 @@ class Foreground {
   glm::ivec2 size() const { return {mask_.width(), mask_.height()}; }
   void bind() const;                                         // to kForegroundUnit
   const Image<std::uint8_t>& mask() const { return mask_; }  // blurred
+  // The mask's free shares, with the confidence of its mixed pixels.
+  const Image<glm::u8vec2>& texels() const { return texels_; }
   bool is_mixed(int x, int y) const { return mask_.at(x, y) != 0 && mask_.at(x, y) != 255; }
 
  private:
   Foreground() = default;
-  GlTexture texture_;  // the mask; alpha: confidence of its mixed pixels
+  GlTexture texture_;
+  Image<glm::u8vec2> texels_;  // of the texture
   Image<std::uint8_t> mask_;
 };
 

@@ -317,7 +317,7 @@ void ObjectLayer::bind(const Program& program, bool smooth) const {
               glm::dvec4(box_.left, box_.top, 1.0 / (box_.right - box_.left), 1.0 / (box_.bottom - box_.top)));
 }
 
-Result<Image<glm::vec4>> ObjectLayer::read() const {
+Result<Image<glm::vec4>> ObjectLayer::read_texels() const {
   Image<glm::vec4> image(box_.right - box_.left, box_.bottom - box_.top);
   glBindFramebuffer(GL_FRAMEBUFFER, buffer_.framebuffer.name());
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
@@ -329,11 +329,17 @@ Result<Image<glm::vec4>> ObjectLayer::read() const {
   } else {
     glReadPixels(0, 0, image.width(), image.height(), GL_RGBA, GL_FLOAT, image.elements().data());
   }
-  for (glm::vec4& texel : image.elements()) {  // as in layer.glsl
+  if (auto read = check_gl("reading the object's layer"); !read) return fail(read.error());
+  return image;
+}
+
+Result<Image<glm::vec4>> ObjectLayer::read() const {
+  auto image = read_texels();
+  if (!image) return image;
+  for (glm::vec4& texel : image->elements()) {  // as in layer.glsl
     const glm::vec3 root(texel);
     texel = glm::vec4(root * root * static_cast<float>(unit_), std::min(2.0f * texel.a, 1.0f));
   }
-  if (auto read = check_gl("reading the object's layer"); !read) return fail(read.error());
   return image;
 }
 

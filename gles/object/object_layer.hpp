@@ -48,6 +48,9 @@ class ObjectLayer {
   void bind(const Program& program, bool smooth) const;
   // One element per pixel of the box, linear.
   Result<Image<glm::vec4>> read() const;
+  // The same as they are stored (layer.glsl), in units of unit().
+  Result<Image<glm::vec4>> read_texels() const;
+  double unit() const { return unit_; }
 
  private:
   friend class LayerDrawing;

@@ -73,6 +73,8 @@ Result<Renderer> Renderer::create(GlContext& context, const RendererOptions& opt
     state->notes.emplace_back(
         "fragment shaders compute in 16 bits: glints of mapped materials are up to 12 of 255 off, dithering is coarse");
   if (state->layer_in_8_bits()) state->notes.emplace_back("the object's layer is kept in 8 bits (square roots)");
+  const bool software = options.mixing == Mixing::automatic && state->info.software;
+  if (software || options.mixing == Mixing::processor) state->mix.emplace();
   if (auto made = check_gl("creating the renderer"); !made) return fail(made.error());
   return Renderer(std::move(state));
 }
@@ -158,6 +160,7 @@ Result<> Renderer::set_response(const ResponseCurve& response) {
   auto made = ResponseOnGpu::create(response);
   if (!made) return fail(made.error());
   state_->response = std::move(*made);
+  if (state_->mix) state_->mix->take_response(response);
   state_->composite.change_response();
   if (state_->processing) state_->processing->forget();
   return {};
@@ -242,15 +245,25 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
 
 Result<> Renderer::upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg) {
   if (auto fits = state_->fits_view(frame.width, frame.height); !fits) return fits;
-  state_->jpeg = std::move(jpeg);
-  return state_->camera.upload(frame);
+  State& s = *state_;
+  if (!s.mix) {
+    s.jpeg = std::move(jpeg);
+    return s.camera.upload(frame);
+  }
+  if (auto taken = s.mix->take_picture(frame); !taken) return taken;
+  s.jpeg = std::move(jpeg);
+  s.camera.keep(frame);
+  return {};
 }
 
 Result<> Renderer::import_frame(const ExternalPicture& frame) {
   State& s = *state_;
   if (auto fits = s.fits_view(frame.width, frame.height); !fits) return fits;
+  auto imported = s.camera.import_frame(frame, s.notes);
+  if (!imported) return imported;
   s.jpeg.reset();
-  return s.camera.import_frame(frame, s.notes);
+  if (s.mix) s.mix->drop_picture();
+  return imported;
 }
 
 void Renderer::drop_camera_buffers() {
@@ -264,6 +277,7 @@ FrameCounts Renderer::frames() const {
 Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
+  if (s.mixes()) return s.show(s.mix->background(), target);
   const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
@@ -273,6 +287,11 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   State& s = *state_;
   if (!s.layer) return draw_background(target);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  if (s.mixes()) {
+    const auto picture = s.mixed(&measured, noise);
+    if (!picture) return fail(picture.error());
+    return s.show(**picture, target);
+  }
   if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
@@ -284,9 +303,27 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
 }
 
+bool Renderer::processor_mixes() const {
+  return state_->mix.has_value();
+}
+
+Result<const Image<glm::u8vec4>*> Renderer::mix(const AirlightGrid& measured, const SensorNoise& noise) {
+  State& s = *state_;
+  if (!s.mixes()) return fail(FaultKind::unsupported, "pictures are mixed by the GPU");
+  if (auto ready = s.ready_for_layer(measured, {0, 1, 1, true}, noise); !ready) return fail(ready.error());
+  return s.mixed(&measured, noise);
+}
+
+Result<const Image<glm::u8vec4>*> Renderer::mix_background() {
+  State& s = *state_;
+  if (!s.mixes()) return fail(FaultKind::unsupported, "pictures are mixed by the GPU");
+  return s.mixed(nullptr, {});
+}
+
 Result<> Renderer::set_in_front(const InFront& passers) {
   State& s = *state_;
   s.passers.clear();
+  if (s.mix) s.mix->take_passers(passers);
   if (passers.pixels.empty()) return {};
   if (const int most = s.info.max_texture_size; passers.pixels.width() > most || passers.pixels.height() > most)
     return fail(FaultKind::bad_input, "{} x {} pixels in front of the object: this driver supports at most {}",
@@ -302,6 +339,7 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
     return fail(FaultKind::bad_input, "a plane of {} x {} pixels: the object's box is of {} x {}", target.width,
                 target.height, box.right - box.left, box.bottom - box.top);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
+  if (auto there = s.picture_on_gpu(); !there) return there;
   if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
@@ -331,6 +369,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   check(measured, "measured airlight", false, problems);
   if (!problems.empty()) return fail(problems.fault());
 
+  if (auto there = s.picture_on_gpu(); !there) return there;
   if (auto lit = s.follow(appearance.light); !lit) return lit;
   const auto drawn_shadow = s.shadow_under(appearance);
   if (!drawn_shadow) return fail(drawn_shadow.error());

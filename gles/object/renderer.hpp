@@ -116,6 +116,14 @@ class Renderer {
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
 
+  // Whether the processor mixes the pictures (RendererOptions::mixing); draw() then only shows what it has mixed. The
+  // GPU still draws the layer, and the pixels that it covers when their light has changed.
+  bool processor_mixes() const;
+  // What draw() would show, in memory; alpha means nothing. It stays until the next call. Errors: as draw(); unsupported
+  // (the GPU mixes).
+  Result<const Image<glm::u8vec4>*> mix(const AirlightGrid& measured, const SensorNoise& noise = {});
+  Result<const Image<glm::u8vec4>*> mix_background();  // the uploaded picture alone
+
   // Passers before the object in the picture uploaded last, for draw() and draw_for_plane(); without pixels: none.
   // Errors: bad_input (larger than the driver's textures), device.
   Result<> set_in_front(const InFront& passers);

@@ -45,11 +45,12 @@ Result<> Renderer::State::find_matte() {
   if (matte || !composite.is_left_open() || !info.highp_fragments) return {};
   const int most = std::min(info.max_texture_size, 2048);
   const PixelBox largest = box_with(kCoarsestDetail);  // so that it stays while the detail changes
-  const MatteNodes nodes = matte_nodes(foreground->mask(), largest, most / 2, most);
+  MatteNodes nodes = matte_nodes(foreground->mask(), largest, most / 2, most);
   if (nodes.empty()) return {};
   auto made = Matte::create(nodes);
   if (!made) return fail(made.error());
   matte = std::move(*made);
+  if (mix) mix->take_matte(std::move(nodes));
   return {};
 }
 
@@ -126,6 +127,28 @@ Result<const CameraProcessing*> Renderer::State::process(const AirlightGrid& mea
   return &*processing;
 }
 
+Result<const Image<glm::u8vec4>*> Renderer::State::mixed(const AirlightGrid* measured, const SensorNoise& noise) {
+  if (!layer || !measured) return &mix->background();
+  const auto covered = composite.covered_pixels(programs, frame(), *layer, *measured, noise, info);
+  if (!covered) return fail(covered.error());
+  const bool open = composite.is_left_open();
+  return &mix->mix({composite, *covered, open ? &foreground->texels() : nullptr, open && matte.has_value(),
+                    !passers.empty(), wanted_processing(), *measured, noise});
+}
+
+Result<> Renderer::State::show(const Image<glm::u8vec4>& picture, const DrawTarget& target) {
+  const auto textures = mix->upload(picture, info);
+  if (!textures) return fail(textures.error());
+  const PictureOnTarget shown(target, picture.width(), picture.height());
+  shown.begin(target, false);
+  return composite.draw_camera_alone(programs, {*textures, *response, dither}, shown);
+}
+
+Result<> Renderer::State::picture_on_gpu() {
+  if (!mixes() || camera.on_gpu()) return {};
+  return camera.upload_kept(mix->planes());
+}
+
 Result<> Renderer::State::fits_view(int width, int height) const {
   if (!projection || (width == projection->view.width && height == projection->view.height)) return {};
   return fail(FaultKind::bad_input, "camera picture of {} x {} pixels: the view is of {} x {}", width, height,
@@ -200,6 +223,11 @@ Result<> Renderer::State::finish_layer(ObjectLayer drawn) {
   const auto texels = drawn.read();
   if (!texels) return fail(texels.error());
   composite.take(drawn, projection->view, *texels, foreground ? &*foreground : nullptr);
+  if (mix) {
+    auto stored = drawn.read_texels();
+    if (!stored) return fail(stored.error());
+    mix->take_layer({drawn.box(), drawn.unit(), std::move(*stored)});
+  }
   if (processing) processing->forget();
   if (auto found = find_matte(); !found) return found;
   layer = std::move(drawn);

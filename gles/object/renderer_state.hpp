@@ -16,6 +16,7 @@
 #include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
+#include "gles/object/processor_mix.hpp"
 #include "gles/object/renderer.hpp"
 #include "gles/object/scene_depth.hpp"
 #include "gles/picture/camera_input.hpp"
@@ -67,6 +68,7 @@ struct Renderer::State {
   Composite composite;
   std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
   std::optional<CameraProcessing> processing;
+  std::optional<ProcessorMix> mix;  // empty: the GPU mixes
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const;
@@ -89,6 +91,13 @@ struct Renderer::State {
 
   Result<> fits_view(int width, int height) const;
   Result<> ready_for_object() const;
+
+  bool mixes() const { return mix && mix->has_picture(); }
+  // The uploaded picture, with the layer in it where `measured` is given. Needs mixes().
+  Result<const Image<glm::u8vec4>*> mixed(const AirlightGrid* measured, const SensorNoise& noise);
+  Result<> show(const Image<glm::u8vec4>& picture, const DrawTarget& target);
+  // For what the GPU draws itself.
+  Result<> picture_on_gpu();
 
   bool casts_shadow(const ObjectAppearance& appearance) const;
   // Of the shadow to be drawn; empty: the one at hand is right.

@@ -22,8 +22,20 @@ Result<> CameraInput::upload(const PictureView& frame) {
   auto textures = planes_.upload(frame, info_);
   if (!textures) return fail(textures.error());
   newest_ = *textures;
+  on_gpu_ = true;
   ++frames_.uploaded;
   return {};
+}
+
+void CameraInput::keep(const PictureView& frame) {
+  newest_ = {CameraTextures::Source::uploaded, frame.layout, frame.encoding, frame.width, frame.height, {}};
+  on_gpu_ = false;
+  ++frames_.uploaded;
+}
+
+Result<> CameraInput::upload_kept(const PictureView& frame) {
+  --frames_.uploaded;
+  return upload(frame);
 }
 
 Result<> CameraInput::import_frame(const ExternalPicture& frame, std::vector<std::string>& notes) {
@@ -42,6 +54,7 @@ Result<> CameraInput::import_frame(const ExternalPicture& frame, std::vector<std
     return fail(note_refusal(textures.error(), notes));
   }
   newest_ = *textures;
+  on_gpu_ = true;
   ++frames_.imported;
   return {};
 }

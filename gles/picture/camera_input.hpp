@@ -22,6 +22,12 @@ class CameraInput {
   Result<> upload(const PictureView& frame);
   Result<> import_frame(const ExternalPicture& frame, std::vector<std::string>& notes);
 
+  // The picture is in memory, where the processor mixes it: only its kind is taken. Counts as uploaded.
+  void keep(const PictureView& frame);
+  // Uploads it after all.
+  Result<> upload_kept(const PictureView& frame);
+  bool on_gpu() const { return on_gpu_; }
+
   // Gives the camera's buffers back. A picture read in one of them is gone: upload it before.
   void drop_buffers();
 
@@ -38,6 +44,7 @@ class CameraInput {
   std::optional<Fault> no_import_;                 // set if this driver cannot import at all
   std::optional<ExternalPicture> import_refused_;  // the last kind of picture refused
   CameraTextures newest_;
+  bool on_gpu_ = false;  // the newest
   FrameCounts frames_;
 };
 

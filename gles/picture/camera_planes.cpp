@@ -3,26 +3,15 @@
 #include <algorithm>
 
 #include "gles/gl/gl.hpp"
+#include "gles/picture/camera_pixels.hpp"
 
 namespace kasumi {
 
 Result<CameraTextures> CameraPlanes::upload(const PictureView& picture, const GlInfo& info) {
-  Problems problems;
-  if (picture.width < 1 || picture.height < 1)
-    problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
+  if (auto sound = check_planes(picture); !sound) return fail(sound.error());
   if (picture.width > info.max_texture_size || picture.height > info.max_texture_size)
-    problems.add("camera picture: {} x {} pixels: this driver supports at most {}", picture.width, picture.height,
-                 info.max_texture_size);
-  if (!problems.empty()) return fail(problems.fault());
-  for (int i = 0; i < plane_count(picture.layout); ++i) {
-    const Plane& plane = picture.planes[static_cast<std::size_t>(i)];
-    const PlaneSize size = plane_size(picture.layout, picture.width, picture.height, i);
-    if (plane.data == nullptr) problems.add("camera picture ({}): plane {} is missing", name_of(picture.layout), i);
-    if (plane.stride < size.row_bytes)
-      problems.add("camera picture ({}): plane {} has a stride of {} bytes: expected at least {}",
-                   name_of(picture.layout), i, plane.stride, size.row_bytes);
-  }
-  if (!problems.empty()) return fail(problems.fault());
+    return fail(FaultKind::bad_input, "camera picture: {} x {} pixels: this driver supports at most {}", picture.width,
+                picture.height, info.max_texture_size);
 
   if (!info.highp_fragments && CameraTextures::needs_high_precision(picture.layout))
     return upload(apart(picture), info);

@@ -36,7 +36,9 @@ struct Matte {
 // `now`: the camera's picture here, linear.
 Matte matte_at(vec2 place, vec3 now) {
   vec4 mask = texture2D(foreground, place);
-  Matte found = Matte(mask.r, mask.r * now);
+  Matte found;
+  found.open_share = mask.r;
+  found.behind = mask.r * now;
 #if defined(MATTE_NODES)
   if (mask.r > 0.0 && mask.r < 1.0) {
     vec2 at = clamp(place * matte_place.xy + matte_place.zw, matte_half, matte_last);

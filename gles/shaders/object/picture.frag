@@ -1,13 +1,16 @@
 // The camera's picture, with Linf N over it in linear light where the layer covers it fully (COVERED) or partly (EDGE).
 // PROCESSED: as the camera's processing left it (camera_processing.cpp). COVERAGE: the object's share of each pixel in
 // alpha, 0 only where it changes nothing. PLANE: only what is to be laid over the camera's picture by the display.
-#if defined(MATTE_NODES)
+// Edges are also compiled as C++ (mixed_edges.cpp), which has pictures and tables of its own.
+#if defined(MATTE_NODES) && defined(GL_ES)
 precision highp sampler2D;  // small differences of the picture's values are solved for
 #endif
 #include "dither.glsl"
 #include "layer.glsl"
 #include "response.glsl"
+#if defined(GL_ES)
 #include "camera_picture.glsl"
+#endif
 #include "matte.glsl"
 #include "noise.glsl"
 #include "saturation.glsl"

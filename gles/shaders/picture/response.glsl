@@ -20,6 +20,7 @@ vec3 light_of(vec3 code) {
 #elif defined(RESPONSE_TABLE)
 // Each texel holds an entry and its successor as 16-bit numbers in two channels each; rows 0-2: light of code, rows
 // 4-6: code of the square root of light.
+#if defined(GL_ES)
 uniform sampler2D response_table;
 uniform float response_entries;  // = width of the texture
 float in_table(float at, float row) {
@@ -30,6 +31,7 @@ float in_table(float at, float row) {
   vec2 ends = texel.xz * 0.996108949 + texel.yw * 0.003891051;
   return mix(ends.x, ends.y, place - entry);
 }
+#endif
 vec3 encoded_root(vec3 root) { return vec3(in_table(root.r, 4.0), in_table(root.g, 5.0), in_table(root.b, 6.0)); }
 vec3 light_of(vec3 code) { return vec3(in_table(code.r, 0.0), in_table(code.g, 1.0), in_table(code.b, 2.0)); }
 #else

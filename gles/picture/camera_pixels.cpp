@@ -1,0 +1,169 @@
+#include "gles/picture/camera_pixels.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace kasumi {
+namespace {
+
+// A row's luma and chroma, a value a pixel.
+struct YuvRow {
+  std::vector<std::uint8_t> y, u, v;
+  explicit YuvRow(std::size_t width) : y(width), u(width), v(width) {}
+};
+
+// The first of each run of `step` bytes, repeated.
+void spread(const std::uint8_t* from, std::size_t step, std::size_t repeat, std::vector<std::uint8_t>& to) {
+  const std::size_t width = to.size();
+  if (repeat == 1) {
+    for (std::size_t x = 0; x < width; ++x) to[x] = from[x * step];
+    return;
+  }
+  for (std::size_t pair = 0; pair < width / 2; ++pair) to[2 * pair] = to[2 * pair + 1] = from[pair * step];
+  if (width % 2 != 0) to[width - 1] = from[width / 2 * step];
+}
+
+void read_row(const PictureView& p, std::size_t row, YuvRow& to) {
+  const auto line = [&](std::size_t plane, std::size_t of) {
+    return p.planes[plane].data + of * p.planes[plane].stride;
+  };
+  switch (p.layout) {
+    case PixelLayout::yuyv:
+    case PixelLayout::uyvy: {
+      const std::size_t luma = p.layout == PixelLayout::yuyv ? 0 : 1;
+      spread(line(0, row) + luma, 2, 1, to.y);
+      spread(line(0, row) + 1 - luma, 4, 2, to.u);
+      spread(line(0, row) + 3 - luma, 4, 2, to.v);
+      return;
+    }
+    case PixelLayout::nv12:
+      spread(line(0, row), 1, 1, to.y);
+      spread(line(1, row / 2), 2, 2, to.u);
+      spread(line(1, row / 2) + 1, 2, 2, to.v);
+      return;
+    default: {
+      const std::size_t below = p.layout == PixelLayout::i420 ? row / 2 : row;
+      const std::size_t repeat = p.layout == PixelLayout::i444 ? 1 : 2;
+      spread(line(0, row), 1, 1, to.y);
+      spread(line(1, below), 1, repeat, to.u);
+      spread(line(2, below), 1, repeat, to.v);
+    }
+  }
+}
+
+// As to_rgb(): the same products in the same order.
+void convert_row(const YuvToRgb& m, const YuvRow& from, glm::u8vec4* to) {
+  const auto value = [](const glm::vec3& row, float y, float u, float v) {
+    const float sum = row.x * y + row.y * u + row.z * v;
+    return static_cast<std::uint8_t>(static_cast<int>(std::clamp(sum, 0.0F, 255.0F) + 0.5F));
+  };
+  const glm::vec3 offset = 255.0F * m.offset, red = m.rows[0], green = m.rows[1], blue = m.rows[2];
+  const std::size_t width = from.y.size();
+  for (std::size_t x = 0; x < width; ++x) {
+    const float y = static_cast<float>(from.y[x]) - offset.x, u = static_cast<float>(from.u[x]) - offset.y,
+                v = static_cast<float>(from.v[x]) - offset.z;
+    to[x] = glm::u8vec4(value(red, y, u, v), value(green, y, u, v), value(blue, y, u, v), 255);
+  }
+}
+
+// Of the layouts without chroma: bytes a pixel, and where red, green and blue lie.
+struct RgbBytes {
+  std::size_t step = 0, red = 0, green = 0, blue = 0;
+};
+RgbBytes rgb_bytes(PixelLayout layout) {
+  switch (layout) {
+    case PixelLayout::rgb8: return {3, 0, 1, 2};
+    case PixelLayout::bgr8: return {3, 2, 1, 0};
+    case PixelLayout::rgba8: return {4, 0, 1, 2};
+    case PixelLayout::bgra8: return {4, 2, 1, 0};
+    case PixelLayout::grey8: return {1, 0, 0, 0};
+    default: return {};
+  }
+}
+
+}  // namespace
+
+Result<> check_planes(const PictureView& picture) {
+  Problems problems;
+  if (picture.width < 1 || picture.height < 1)
+    problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
+  for (int i = 0; i < plane_count(picture.layout) && problems.empty(); ++i) {
+    const Plane& plane = picture.planes[static_cast<std::size_t>(i)];
+    const PlaneSize size = plane_size(picture.layout, picture.width, picture.height, i);
+    if (plane.data == nullptr) problems.add("camera picture ({}): plane {} is missing", name_of(picture.layout), i);
+    if (plane.stride < size.row_bytes)
+      problems.add("camera picture ({}): plane {} has a stride of {} bytes: expected at least {}",
+                   name_of(picture.layout), i, plane.stride, size.row_bytes);
+  }
+  if (!problems.empty()) return fail(problems.fault());
+  return {};
+}
+
+Result<> KeptPlanes::take(const PictureView& picture) {
+  if (auto sound = check_planes(picture); !sound) return sound;
+  const auto planes = static_cast<std::size_t>(plane_count(picture.layout));
+  std::array<PlaneSize, 3> sizes;
+  std::size_t whole = 0;
+  for (std::size_t i = 0; i < planes; ++i) {
+    sizes[i] = plane_size(picture.layout, picture.width, picture.height, static_cast<int>(i));
+    whole += sizes[i].row_bytes * static_cast<std::size_t>(sizes[i].rows);
+  }
+  bytes_.resize(whole);
+  view_ = picture;
+  std::uint8_t* to = bytes_.data();
+  for (std::size_t i = 0; i < planes; ++i) {
+    view_.planes[i] = {to, sizes[i].row_bytes};
+    const std::uint8_t* from = picture.planes[i].data;
+    for (int row = 0; row < sizes[i].rows; ++row, to += sizes[i].row_bytes, from += picture.planes[i].stride)
+      std::memcpy(to, from, sizes[i].row_bytes);
+  }
+  return {};
+}
+
+void to_rgba(const PictureView& picture, Image<glm::u8vec4>& pixels) {
+  if (pixels.width() != picture.width || pixels.height() != picture.height)
+    pixels = Image<glm::u8vec4>(picture.width, picture.height);
+  const auto width = static_cast<std::size_t>(picture.width);
+  if (const RgbBytes at = rgb_bytes(picture.layout); at.step > 0) {
+    for (int row = 0; row < picture.height; ++row) {
+      const std::uint8_t* from = picture.planes[0].data + static_cast<std::size_t>(row) * picture.planes[0].stride;
+      glm::u8vec4* to = pixels.row(row);
+      for (std::size_t x = 0; x < width; ++x, from += at.step)
+        to[x] = glm::u8vec4(from[at.red], from[at.green], from[at.blue], 255);
+    }
+    return;
+  }
+  const YuvToRgb matrix = yuv_to_rgb(picture.encoding);
+  YuvRow line(width);
+  for (int row = 0; row < picture.height; ++row) {
+    read_row(picture, static_cast<std::size_t>(row), line);
+    convert_row(matrix, line, pixels.row(row));
+  }
+}
+
+glm::vec3 encoded_at(const PictureView& p, const YuvToRgb& matrix, int px, int py) {
+  const auto x = static_cast<std::size_t>(px), y = static_cast<std::size_t>(py);
+  const auto at = [&](std::size_t plane, std::size_t byte, std::size_t row) {
+    return static_cast<float>(p.planes[plane].data[row * p.planes[plane].stride + byte]) * (1.0F / 255.0F);
+  };
+  if (const RgbBytes rgb = rgb_bytes(p.layout); rgb.step > 0)
+    return {at(0, rgb.step * x + rgb.red, y), at(0, rgb.step * x + rgb.green, y), at(0, rgb.step * x + rgb.blue, y)};
+  glm::vec3 yuv;
+  switch (p.layout) {
+    case PixelLayout::yuyv: yuv = {at(0, 2 * x, y), at(0, x / 2 * 4 + 1, y), at(0, x / 2 * 4 + 3, y)}; break;
+    case PixelLayout::uyvy: yuv = {at(0, 2 * x + 1, y), at(0, x / 2 * 4, y), at(0, x / 2 * 4 + 2, y)}; break;
+    case PixelLayout::nv12: yuv = {at(0, x, y), at(1, x / 2 * 2, y / 2), at(1, x / 2 * 2 + 1, y / 2)}; break;
+    case PixelLayout::i420: yuv = {at(0, x, y), at(1, x / 2, y / 2), at(2, x / 2, y / 2)}; break;
+    case PixelLayout::i422: yuv = {at(0, x, y), at(1, x / 2, y), at(2, x / 2, y)}; break;
+    default: yuv = {at(0, x, y), at(1, x, y), at(2, x, y)}; break;
+  }
+  const glm::vec3 from = yuv - matrix.offset;
+  const auto value = [&](std::size_t c) {
+    return matrix.rows[c].x * from.x + matrix.rows[c].y * from.y + matrix.rows[c].z * from.z;
+  };
+  return {value(0), value(1), value(2)};
+}
+
+}  // namespace kasumi
