@@ -447,7 +447,7 @@ void RenderLoop::publish() {
   status_.told = now;
   status_.frames_dropped = mailboxes_.render.frames.dropped();
   status_.latency = latency_.whole();
-  screen_.report_planes();
+  screen_.report_drawing();
   status_.passers.reset();
   if (const auto* look = screen_.is_open() ? screen_.stage().scene().around().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};

@@ -63,7 +63,10 @@ class Screen {
   void lose_camera() { camera_gone_ = true; }
   // Gives buffers back that the GPU still holds of a camera that is gone; true: it did. Errors: device.
   Result<bool> drop_lost_buffers();
-  void report_planes() { status_.planes = open_ ? open_->planes.state() : ""; }
+  void report_drawing() {
+    status_.planes = open_ ? open_->planes.state() : "";
+    status_.mixing = !open_ ? "" : open_->stage.scene().processor_mixes() ? "processor" : "gpu";
+  }
   std::vector<Flip> take_flips();
   bool nothing_shown() const { return open_->dark; }
 

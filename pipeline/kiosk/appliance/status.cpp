@@ -74,9 +74,14 @@ OrderedJson loops_json(const std::vector<LoopStatus>& loops) {
 }
 
 OrderedJson display_json(const DisplayStatus& display) {
-  return {{"up", display.up},        {"description", display.description},     {"cause", display.cause},
-          {"flips", display.flips},  {"flip_timeouts", display.flip_timeouts}, {"resets", display.resets},
-          {"planes", display.planes}};
+  return {{"up", display.up},
+          {"description", display.description},
+          {"cause", display.cause},
+          {"flips", display.flips},
+          {"flip_timeouts", display.flip_timeouts},
+          {"resets", display.resets},
+          {"planes", display.planes},
+          {"mixing", display.mixing}};
 }
 
 // null: none is switched.

@@ -25,6 +25,7 @@ struct DisplayStatus {
   std::uint64_t flip_timeouts = 0;
   std::uint64_t resets = 0;  // how often it was reopened
   std::string planes;        // "on": pictures go onto planes of its own; else why not
+  std::string mixing;        // who mixes pictures and the building: "processor" or "gpu"; empty: not up yet
 };
 
 // Whether people before the building stay in front of it.

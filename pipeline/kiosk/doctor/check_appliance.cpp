@@ -154,6 +154,9 @@ void check_live_display(const Json& before, const Json& later, bool closed, doub
     findings.good("display.planes", "the building lies on a plane of its own over the camera's picture");
   else if (!planes.empty())
     findings.good("display.planes", "the GPU composes each picture: " + planes);
+  if (const auto mixing = text(later, "mixing"); !mixing.empty())
+    findings.good("display.mixing",
+                  fmt::format("the {} mixes each picture with the building's layer", mixing == "gpu" ? "GPU" : mixing));
   const double flips = (number(later, "flips") - number(before, "flips")) / seconds;
   const double timeouts = number(later, "flip_timeouts"), resets = number(later, "resets");
   const auto found = (closed ? std::string("closed") : fmt::format("{:.1f} pictures a second", flips)) +

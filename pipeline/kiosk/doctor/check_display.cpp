@@ -106,6 +106,13 @@ void check_flips(Display& display, Clock& clock, Findings& findings) {
                     {"latency_ms", ms(timing->median_latency)}};
 }
 
+void check_mixing(const GlInfo& info, Mixing mixing, Findings& findings) {
+  const bool processor = mixing == Mixing::processor || (mixing == Mixing::automatic && info.software);
+  findings.good("display.mixing",
+                fmt::format("the {} is to mix each picture with the building's layer{}",
+                            processor ? "processor" : "GPU", mixing == Mixing::automatic ? "" : ", as configured"));
+}
+
 void check_gl(const GlInfo& info, Findings& findings) {
   const auto found = fmt::format("{}, {}", info.renderer, info.version);
   if (info.software)

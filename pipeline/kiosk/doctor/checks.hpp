@@ -45,6 +45,7 @@ void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOpti
 // Shows plain pictures as fast as the display accepts them.
 void check_flips(Display& display, Clock& clock, Findings& findings);
 void check_gl(const GlInfo& info, Findings& findings);
+void check_mixing(const GlInfo& info, Mixing mixing, Findings& findings);
 
 // check_appliance.cpp: judges the running appliance's own status, `later` read some seconds after `before`.
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,

@@ -119,6 +119,7 @@ void check_display(const RunConfig& config, Devices& devices, Clock& clock, Find
   }
   findings.good("display.open", (*display)->description());
   check_gl((*display)->context().info(), findings);
+  check_mixing((*display)->context().info(), config.mixing, findings);
   check_flips(**display, clock, findings);
 }
 

@@ -22,6 +22,7 @@ struct ReplayArguments {
   bool no_aerial_perspective = false;
   bool terms = false;
   bool overlay = false;
+  std::string mixing = "auto";
   std::string scattering = "auto";
   std::string zeta = "full";
 };
@@ -40,6 +41,8 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   request.air.zeta = *zeta_form_named(arguments.zeta);
   request.terms = arguments.terms;
   request.overlay = arguments.overlay;
+  if (arguments.mixing == "gpu") request.mixing = Mixing::gpu;
+  if (arguments.mixing == "processor") request.mixing = Mixing::processor;
   return request;
 }
 
@@ -47,6 +50,7 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
   fmt::print("{}: {} pictures in {:.1f} s ({:.1f} a second) by {}{}\n", summary.fixture, summary.pictures,
              summary.seconds, static_cast<double>(summary.pictures) / summary.seconds, summary.gl_renderer,
              summary.software_gl ? " (software)" : "");
+  if (summary.processor_mixed) fmt::print("pictures were mixed by the processor\n");
   if (summary.sighting.in_picture())
     fmt::print("{}\n", summary.sighting.message);
   else
@@ -104,6 +108,11 @@ void add_replay_command(CLI::App& app, Action& action) {
                     "Next to each picture of a folder its airlight and its direct transmission, which add up to it");
   command->add_flag("--overlay", arguments->overlay,
                     "Draw a grid of directions, the horizon, the building's axes and the landmarks over the pictures");
+  command
+      ->add_option("--mixing", arguments->mixing,
+                   "What mixes picture and building; auto: the processor where GL is software")
+      ->check(CLI::IsMember({"auto", "gpu", "processor"}))
+      ->capture_default_str();
   command
       ->add_option("--scattering", arguments->scattering,
                    "Scattering coefficients; auto: the aerosol's where it is known, else morales2017")

@@ -7,12 +7,12 @@
 namespace kasumi {
 
 Result<LightTerms> LightTerms::create(GlContext& context, const Installation& installation, const Model& model,
-                                      SceneAirOptions air) {
+                                      SceneAirOptions air, Mixing mixing) {
   air.black_object = true;
-  auto in_air = Compositor::create(context, installation, model, air);
+  auto in_air = Compositor::create(context, installation, model, SceneAir(installation, air), {.mixing = mixing});
   if (!in_air) return fail(in_air.error());
   air.aerial_perspective = false;
-  auto black = Compositor::create(context, installation, model, air);
+  auto black = Compositor::create(context, installation, model, SceneAir(installation, air), {.mixing = mixing});
   if (!black) return fail(black.error());
   auto target = Offscreen::create(context.info(), installation.scene.width, installation.scene.height);
   if (!target) return fail(target.error());

@@ -42,6 +42,12 @@ bool is_film(const std::filesystem::path& out) {
   return out.extension() == ".mp4";
 }
 
+Image<Rgb8> opaque(const Image<glm::u8vec4>& pixels) {
+  Image<Rgb8> picture(pixels.width(), pixels.height());
+  std::ranges::transform(pixels.elements(), picture.elements().begin(), [](const glm::u8vec4& p) { return Rgb8(p); });
+  return picture;
+}
+
 // Where the pictures of one run are drawn and stored.
 struct ReplayOutput {
   std::unique_ptr<GlContext> headless;
@@ -99,6 +105,7 @@ class Run {
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = output_.context().info().renderer;
     summary_.software_gl = output_.context().info().software;
+    summary_.processor_mixed = compositor_.processor_mixes();
   }
 
   // `first`: the first of the scene camera's frames.
@@ -189,7 +196,12 @@ class Run {
       return {};
     }
     place_sun(latest_, frame->metadata.utc, site_);
-    if (output_.offscreen) {
+    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_) {
+      const auto mixed = compositor_.mix(*frame, latest_);
+      if (!mixed) return skip_or_fail(*frame, mixed.error());
+      if (output_.sink)
+        if (auto put = output_.sink->put(opaque(**mixed)); !put) return put;
+    } else if (output_.offscreen) {
       if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
         return skip_or_fail(*frame, drawn.error());
       if (terms_)
@@ -265,12 +277,13 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
   if (!output) return fail(output.error());
   const auto model = read_gltf(fixture->installation.object.model, {}, fixture->installation.object.scene);
   if (!model) return fail(model.error());
-  auto compositor = Compositor::create(output->context(), fixture->installation, *model, request.air);
+  auto compositor = Compositor::create(output->context(), fixture->installation, *model,
+                                       SceneAir(fixture->installation, request.air), {.mixing = request.mixing});
   if (!compositor) return fail(compositor.error());
 
   std::optional<LightTerms> terms;
   if (request.terms) {
-    auto created = LightTerms::create(output->context(), fixture->installation, *model, request.air);
+    auto created = LightTerms::create(output->context(), fixture->installation, *model, request.air, request.mixing);
     if (!created) return fail(created.error());
     terms = std::move(*created);
   }

@@ -23,6 +23,7 @@ struct ReplayRequest {
   GivenAir given = {};   // takes precedence over the air in the fixture's [site]
   bool terms = false;    // next to each picture of a folder its airlight and its direct transmission
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
+  Mixing mixing = Mixing::automatic;
 };
 
 struct ReplaySummary {
@@ -42,6 +43,7 @@ struct ReplaySummary {
   Sighting sighting;  // where the building stands in the picture, or why it does not
   std::string gl_renderer;
   bool software_gl = false;
+  bool processor_mixed = false;
   double seconds = 0.0;
   std::vector<std::string> notes;  // of the model: what of it is left out; of depth_map; and of the renderer
 };

@@ -21,6 +21,14 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
+Result<const Image<glm::u8vec4>*> Compositor::mix(const Frame& frame, const SkyReport& sky) {
+  const auto picture = decode(frame, encoding_);
+  if (!picture) return fail(picture.error());
+  if (auto passed = frame_.pass(renderer_, *picture); !passed) return fail(passed.error());
+  if (auto followed = follow(frame.metadata, *picture, sky); !followed) return fail(followed.error());
+  return measured_ ? renderer_.mix(*measured_, noise_) : renderer_.mix_background();
+}
+
 // The air that the frame is drawn under, and the building's layer, which does not need the horizon as it is seen.
 Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky) {
   const auto now = air_.conditions(sky);

@@ -99,6 +99,12 @@ void read_mode(const ConfigTable& table, KmsDisplayOptions& options) {
   if (!whole || !sane) table.problem("mode", R"("auto", "1920x1080" or "1920x1080@60")");
 }
 
+Mixing read_mixing(const ConfigTable& table) {
+  const auto who = table.choice("mixing", {"auto", "gpu", "processor"}, std::string("auto"));
+  if (who == "gpu") return Mixing::gpu;
+  return who == "processor" ? Mixing::processor : Mixing::automatic;
+}
+
 DisplayOptions read_display(const ConfigTable& table) {
   constexpr Range kSize_px{16, 16384};
   const auto kind = read_kind(table, "kind", {"kms", "window", "headless"}, std::string("kms"));
@@ -259,6 +265,7 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.planes = section(root, "display", [](const ConfigTable& table) {
     return table.choice("planes", {"auto", "off"}, std::string("auto")) == "auto";
   });
+  config.mixing = section(root, "display", read_mixing);
   config.overlay = section(root, "display", [](const ConfigTable& table) { return table.flag("overlay", false); });
   config.cec = section(root, "display", [](const ConfigTable& table) {
     const auto adapter = table.text("cec", std::string("off"));

@@ -10,6 +10,7 @@
 #include "capture/libcamera/libcamera_source.hpp"
 #include "capture/v4l2/v4l2_source.hpp"
 #include "gles/display/display.hpp"
+#include "gles/scene.hpp"
 #include "pipeline/site/config/eras.hpp"
 #include "pipeline/site/config/heat_governor.hpp"
 #include "pipeline/site/config/installation.hpp"
@@ -56,7 +57,8 @@ struct RunConfig {
   CameraOptions sky_camera;
   CameraOptions scene_camera;
   DisplayOptions display;
-  bool planes = true;    // the camera's picture may go onto a plane of the display's own
+  bool planes = true;  // the camera's picture may go onto a plane of the display's own
+  Mixing mixing = Mixing::automatic;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
   std::string cec;       // the adapter by which a television is switched, "/dev/cec0"; empty: none is
   StillOptions still;
