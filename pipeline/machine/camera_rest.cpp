@@ -41,6 +41,9 @@ class RestingDevices final : public Devices {
   Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) override {
     return devices_.open_television(adapter);
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
+    return devices_.open_input(device);
+  }
 
  private:
   Devices& devices_;

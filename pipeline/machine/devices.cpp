@@ -65,6 +65,9 @@ class MachineDevices final : public Devices {
   Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) override {
     return open_cec_device(adapter);
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
+    return open_input_device(device);
+  }
 
  private:
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {

@@ -5,6 +5,7 @@
 
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
+#include "pipeline/machine/input_device.hpp"
 #include "pipeline/machine/television.hpp"
 #include "pipeline/site/config/run_config.hpp"
 
@@ -32,6 +33,8 @@ class Devices {
   virtual std::unique_ptr<DisplayWatch> watch_displays() = 0;
   // Errors: those of open_cec_device().
   virtual Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) = 0;
+  // Errors: those of open_input_device().
+  virtual Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) = 0;
 };
 
 // The devices of this machine. Thread-safe; `clock` must outlive it.

@@ -153,6 +153,7 @@ inline const Walls kLibraryDoors = {
     {"libexif/", {"pipeline/site/files/"}},
     {"libudev.h", {"gles/display/kms_udev.cpp"}},
     {"linux/cec.h", {"pipeline/machine/television.cpp"}},
+    {"linux/input", {"pipeline/machine/input_device.hpp", "pipeline/site/config/visitor_options.cpp"}},
     {"linux/v", {"capture/v4l2/"}},
     {"meshoptimizer.h", {"gles/packed/"}},
     {"microhttpd.h", {"report/page/http_server.cpp"}},

@@ -283,6 +283,7 @@ RunConfig read_run_config(const ConfigTable& root) {
   config.check = section(root, "check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
   config.ladder = section(root, "ladder", read_ladder);
   config.heat = section(root, "heat", read_heat);
+  config.visitor = read_visitor(root);
   config.state_folder = section(root, "state", [](const ConfigTable& table) -> std::optional<std::filesystem::path> {
     const auto folder = table.text("folder", std::string());
     if (folder.empty()) return std::nullopt;

@@ -18,6 +18,7 @@
 #include "pipeline/site/config/messages.hpp"
 #include "pipeline/site/config/opening_hours.hpp"
 #include "pipeline/site/config/time_trust.hpp"
+#include "pipeline/site/config/visitor_options.hpp"
 
 namespace kasumi {
 
@@ -71,6 +72,7 @@ struct RunConfig {
   LadderOptions ladder;
   SnapshotOptions snapshot;
   HeatOptions heat;
+  std::optional<VisitorOptions> visitor;  // empty: visitors choose nothing
   std::optional<std::filesystem::path> state_folder;
 };
 

@@ -24,6 +24,9 @@ class OnlyATelevision final : public Devices {
     asked_for = adapter.string();
     return open_fake_television(television);
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path&) override {
+    return fail(FaultKind::disconnected, "no input device");
+  }
   FakeTelevision television;
   std::string asked_for;
 };

@@ -13,6 +13,7 @@
 #include "pipeline/kiosk/appliance/appliance.hpp"
 #include "tests/pipeline/kiosk/appliance/faulty_display.hpp"
 #include "tests/pipeline/kiosk/appliance/faulty_source.hpp"
+#include "tests/pipeline/machine/fake_input.hpp"
 #include "tests/pipeline/machine/fake_television.hpp"
 
 namespace kasumi {
@@ -56,8 +57,12 @@ class BenchDevices final : public Devices {
   Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
     return open_fake_television(television);
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
+    return open_fake_input(input, device);
+  }
   CameraFaults sky, scene;
   FakeTelevision television;
+  FakeInput input;
   DisplayFaults display;
 
  private:

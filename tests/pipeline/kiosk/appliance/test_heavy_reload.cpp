@@ -100,6 +100,9 @@ class TimedDevices final : public Devices {
   Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
     return fail(FaultKind::disconnected, "no television");
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path&) override {
+    return fail(FaultKind::disconnected, "no input device");
+  }
 
   std::vector<Instant> shown;
 

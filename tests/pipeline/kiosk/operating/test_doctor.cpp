@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "tests/pipeline/kiosk/operating/simulated_machine.hpp"
+#include "tests/pipeline/machine/fake_input.hpp"
 
 namespace kasumi {
 namespace {
@@ -213,6 +214,10 @@ class Untouchable final : public Devices {
   Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path&) override {
     return fail(FaultKind::disconnected, "no television");
   }
+  Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
+    return open_fake_input(input, device);
+  }
+  FakeInput input;
 };
 
 TEST(Doctor, WhileTheApplianceRunsItsStatusIsReadInstead) {

@@ -1,0 +1,31 @@
+// What a visitor does with buttons, knobs and touch screens, whatever the devices are.
+#pragma once
+
+#include <cstddef>
+
+namespace kasumi {
+
+enum class HandKey {
+  then_and_now,  // held: the camera's picture alone
+  era,           // the next one
+  language,      // the next one
+  large_print,   // on, or off again
+};
+constexpr std::size_t kHandKeys = 4;
+
+struct HandEvent {
+  enum class Kind {
+    down,       // of `key`
+    up,         // of `key`
+    touch,      // a finger at `value`, 0..1 of the screen's width
+    touch_end,  // no finger any more
+    turn,       // a knob, by `value` notches
+    all_up,     // the device is gone: nothing of it is held
+  };
+  Kind kind = Kind::all_up;
+  HandKey key = HandKey::then_and_now;
+  double value = 0.0;
+  friend bool operator==(const HandEvent&, const HandEvent&) = default;
+};
+
+}  // namespace kasumi

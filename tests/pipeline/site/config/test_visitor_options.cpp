@@ -1,0 +1,50 @@
+// [visitor]: what is read of it, and one message for each mistake.
+#include "pipeline/site/config/visitor_options.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace kasumi {
+namespace {
+
+struct VisitorOfFile {
+  std::optional<VisitorOptions> options;
+  std::string problems;
+};
+VisitorOfFile visitor_of(const std::string& text) {
+  const auto root = ConfigTable::parse(text, "kasumi.toml").value();
+  VisitorOfFile all{read_visitor(root), {}};
+  if (const auto done = root.finish(); !done) all.problems = done.error().message;
+  return all;
+}
+
+TEST(VisitorOptions, AreNoneWithoutTheTable) {
+  EXPECT_EQ(visitor_of("").options, std::nullopt);
+}
+
+TEST(VisitorOptions, AreDevicesAndKeys) {
+  const auto read = visitor_of(
+      "[visitor]\ndevices = [\"/dev/input/by-id/usb-A-event-kbd\"]\nthen_and_now = [\"KEY_SPACE\", \"288\"]\n"
+      "era = [\"KEY_E\"]\nlanguages = [\"de\", \"ja\"]\nidle_s = 60\n");
+  ASSERT_EQ(read.problems, "");
+  EXPECT_EQ(read.options->devices.size(), 1U);
+  EXPECT_EQ(read.options->keys[0], (std::vector<int>{57, 288}));
+  EXPECT_EQ(read.options->keys[1], std::vector<int>{18});
+  EXPECT_EQ(read.options->languages.size(), 2U);
+  EXPECT_EQ(read.options->idle, std::chrono::seconds(60));
+}
+
+TEST(VisitorOptions, NameEachMistake) {
+  const auto problems = visitor_of(
+                            "[visitor]\ndevices = [\"/dev/sda\", \"/dev/input/../sda\"]\nera = [\"KEY_NONE\"]\n"
+                            "language = [\"KEY_L\"]\nlarge_print = [\"KEY_L\"]\nlanguages = [\"xx\"]\nidle_s = 1\n"
+                            "colour = 3\n")
+                            .problems;
+  for (const auto* said : {"visitor.devices", "\"/dev/sda\"", "\"/dev/input/../sda\"", "KEY_NONE", "\"KEY_L\" again",
+                           "visitor.languages", "visitor.idle_s", "visitor.colour"})
+    EXPECT_THAT(problems, testing::HasSubstr(said));
+  EXPECT_THAT(visitor_of("[visitor]\nera = [\"KEY_E\"]\n").problems, testing::HasSubstr("visitor.devices"));
+}
+
+}  // namespace
+}  // namespace kasumi
