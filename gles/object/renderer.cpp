@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "gles/gl/gl.hpp"
@@ -285,7 +286,8 @@ Result<> Renderer::draw_background(const DrawTarget& target) {
 
 Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) {
   State& s = *state_;
-  if (!s.layer) return draw_background(target);
+  const int bare = static_cast<int>(std::lround(s.bare * target.width));
+  if (!s.layer || bare >= target.width) return draw_background(target);
   if (auto ready = s.ready_for_layer(measured, target, noise); !ready) return ready;
   if (s.mixes()) {
     const auto picture = s.mixed(&measured, noise);
@@ -300,7 +302,18 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
     if (auto done = s.composite.finish(s.programs, s.frame(), shown, *s.layer, measured, noise, s.info); !done)
       return done;
   shown.begin(target, false);
-  return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
+  if (bare <= 0) return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(bare, 0, target.width - bare, target.height);
+  auto drawn = s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
+  glScissor(0, 0, bare, target.height);
+  if (drawn) drawn = s.composite.draw_camera_alone(s.programs, s.frame(), shown);
+  glDisable(GL_SCISSOR_TEST);
+  return drawn;
+}
+
+void Renderer::set_bare(double share) {
+  state_->bare = std::clamp(share, 0.0, 1.0);
 }
 
 bool Renderer::processor_mixes() const {

@@ -23,6 +23,7 @@ struct ReplayArguments {
   bool terms = false;
   bool overlay = false;
   std::string mixing = "auto";
+  double wipe = 0.0;
   std::string scattering = "auto";
   std::string zeta = "full";
 };
@@ -43,6 +44,7 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   request.overlay = arguments.overlay;
   if (arguments.mixing == "gpu") request.mixing = Mixing::gpu;
   if (arguments.mixing == "processor") request.mixing = Mixing::processor;
+  request.wipe = arguments.wipe;
   return request;
 }
 
@@ -113,6 +115,10 @@ void add_replay_command(CLI::App& app, Action& action) {
                    "What mixes picture and building; auto: the processor where GL is software")
       ->check(CLI::IsMember({"auto", "gpu", "processor"}))
       ->capture_default_str();
+  command
+      ->add_option("--wipe", arguments->wipe,
+                   "Left of this share of the width the camera's picture alone, as a visitor wipes it")
+      ->check(CLI::Range(0.0, 1.0));
   command
       ->add_option("--scattering", arguments->scattering,
                    "Scattering coefficients; auto: the aerosol's where it is known, else morales2017")

@@ -19,6 +19,7 @@
 #include "pipeline/show/scene/air_figures.hpp"
 #include "pipeline/show/scene/compositor.hpp"
 #include "pipeline/show/stage/overlay.hpp"
+#include "pipeline/show/stage/then_and_now.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 
@@ -101,6 +102,7 @@ class Run {
         terms_(std::move(terms)),
         site_(fixture.installation.site),
         air_(air) {
+    compositor_.set_bare(request.wipe);
     if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = output_.context().info().renderer;
@@ -228,7 +230,12 @@ class Run {
     return terms_->write(*request_.out, summary_.pictures, frame, latest_, *picture);
   }
 
-  Result<> draw_overlay(const DrawTarget& target) { return overlay_ ? overlay_->draw(target) : Result<>{}; }
+  Result<> draw_overlay(const DrawTarget& target) {
+    if (overlay_)
+      if (auto drawn = overlay_->draw(target); !drawn) return drawn;
+    const MessageOptions letters;
+    return then_and_now_.draw(output_.context(), hand_view(request_.wipe, latest_, letters.language), letters, target);
+  }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {
     if (fault.kind != FaultKind::bad_input) return fail(fault);
@@ -242,6 +249,7 @@ class Run {
   Compositor compositor_;
   std::optional<LightTerms> terms_;  // empty: not wanted
   std::optional<Overlay> overlay_;
+  ThenAndNow then_and_now_;
   Site site_;
   ReplayedAir& air_;
   SkyReport latest_;

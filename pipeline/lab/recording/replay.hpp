@@ -22,6 +22,7 @@ struct ReplayRequest {
   SceneAirOptions air;
   GivenAir given = {};   // takes precedence over the air in the fixture's [site]
   bool terms = false;    // next to each picture of a folder its airlight and its direct transmission
+  double wipe = 0.0;     // left of this share of the width the camera's picture alone
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
   Mixing mixing = Mixing::automatic;
 };

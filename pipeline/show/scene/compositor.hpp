@@ -60,6 +60,9 @@ class Compositor {
   // device.
   Result<> draw_again(const DrawTarget& target);
 
+  // As Renderer::set_bare(): from the next picture that is drawn, not those for planes.
+  void set_bare(double share) { renderer_.set_bare(share); }
+
   // For when the camera is gone. The last picture is copied first, if it lies in one of its buffers. Errors: device.
   Result<> drop_camera_buffers();
   // Before the first frame: draws the building's layer under `sky` for pictures of that layout, in pieces between which

@@ -15,6 +15,7 @@ constexpr Rgba8 kBlack{0, 0, 0, 255};  // opaque
 std::string Composition::over_scene() const {
   if (rung.dark > 0.0) return "the screen is dark";
   if (rung.still > 0.0) return "the still picture is shown";
+  if (hand.bare > 0.0) return "a visitor wipes";
   return message.empty() ? "" : "words are shown";
 }
 
@@ -74,9 +75,12 @@ Result<> Stage::draw_overlay(const DrawTarget& target) {
 
 Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target) {
   const auto& rung = composition.rung;
+  auto letters = content_->config.messages;
+  letters.language = composition.language.value_or(letters.language);
+  letters.print = composition.print;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
+  if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target); !drawn) return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
-  const auto& letters = content_->config.messages;
   if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)
     return drawn;
   if (auto drawn = trouble_.draw(*context_, composition.message, letters, true, 1.0, target); !drawn) return drawn;

@@ -9,6 +9,7 @@
 #include "pipeline/show/scene/scene_frame.hpp"
 #include "pipeline/show/stage/overlay.hpp"
 #include "pipeline/show/stage/still_picture.hpp"
+#include "pipeline/show/stage/then_and_now.hpp"
 #include "pipeline/show/stage/words.hpp"
 #include "pipeline/site/config/content.hpp"
 #include "pipeline/site/config/ladder.hpp"
@@ -18,8 +19,11 @@ namespace kasumi {
 // What one picture consists of, besides the scene.
 struct Composition {
   Rung rung;
-  std::string message;             // what is wrong, for visitors; empty: nothing
-  std::string over_scene() const;  // what is drawn over the scene, for people; empty: nothing is
+  std::string message;                 // what is wrong, for visitors; empty: nothing
+  HandView hand{};                     // what a visitor wipes; Compositor::set_bare() draws it
+  std::optional<Language> language{};  // a visitor's choice; empty: the configured one
+  double print = 1.0;                  // of the letters' usual size
+  std::string over_scene() const;      // what is drawn over the scene, for people; empty: nothing is
   friend bool operator==(const Composition&, const Composition&) = default;
 };
 
@@ -67,6 +71,7 @@ class Stage {
   StillPicture still_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;
+  ThenAndNow then_and_now_;
   bool has_scene_ = false;
   bool draws_object_ = false;
 };

@@ -12,15 +12,12 @@ CaptionStyle style_of(const MessageOptions& options, int width, int height) {
   CaptionStyle style;
   style.font_file = options.font_file;
   style.language = code_of(options.language);
-  style.height_px = std::max(14.0, height / 28.0);
+  style.height_px = std::max(14.0, height / 28.0) * options.print;
   style.largest_width_px = std::max(64, width * 8 / 10);
   return style;
 }
 
-namespace {
-
-Image<Rgba8> picture_of(const std::string& text, const MessageOptions& options, const DrawTarget& target) {
-  const CaptionStyle style = style_of(options, target.width, target.height);
+Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style) {
   if (!options.plain_letters) {
     if (auto picture = draw_caption(text, style))
       return std::move(*picture);
@@ -30,16 +27,16 @@ Image<Rgba8> picture_of(const std::string& text, const MessageOptions& options, 
   return draw_plain_letters(text, style.height_px, style.largest_width_px);
 }
 
-}  // namespace
-
 void Words::update(GlContext& context, const std::string& text, const MessageOptions& options,
                    const DrawTarget& target) {
-  if (text_ == text && target_width_ == target.width) return;
+  const CaptionKey key{options.language, options.print, target.width};
+  if (text_ == text && key_ == key) return;
   text_ = text;
-  target_width_ = target.width;
+  key_ = key;
   picture_.reset();
   if (text.empty()) return;
-  if (auto flat = FlatPicture::create(context, picture_of(text, options, target))) picture_ = std::move(*flat);
+  const auto style = style_of(options, target.width, target.height);
+  if (auto flat = FlatPicture::create(context, picture_of_words(text, options, style))) picture_ = std::move(*flat);
 }
 
 Result<> Words::draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top,

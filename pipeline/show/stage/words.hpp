@@ -13,18 +13,27 @@ namespace kasumi {
 // How words look on a picture of that size.
 CaptionStyle style_of(const MessageOptions& options, int width, int height);
 
+// Words that cannot be rendered as they should are logged and drawn in the program's own letters.
+Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style);
+
+// What a text's picture depends on, besides the text.
+struct CaptionKey {
+  Language language = Language::english;
+  double print = 1.0;
+  int target_width = 0;
+  friend bool operator==(const CaptionKey&, const CaptionKey&) = default;
+};
+
 class Words {
  public:
-  // At the top or the bottom of the target, in its middle. Words that cannot be rendered as they should are
-  // logged once and drawn in the program's own letters.
-  // Errors: device.
+  // At the top or the bottom of the target, in its middle. Errors: device.
   Result<> draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top, double opacity,
                 const DrawTarget& target);
 
  private:
   void update(GlContext& context, const std::string& text, const MessageOptions& options, const DrawTarget& target);
   std::string text_;
-  int target_width_ = 0;
+  CaptionKey key_;
   std::optional<FlatPicture> picture_;  // empty: no text, or it could not be rendered
 };
 

@@ -36,6 +36,7 @@ struct StillOptions {
 struct MessageOptions {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
+  double print = 1.0;          // of the letters' usual size
   bool plain_letters = false;  // those of the program itself: no font is read
   bool show_faults = true;     // false: visitors see only the caption of the still picture
 };

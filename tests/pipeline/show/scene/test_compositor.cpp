@@ -1,5 +1,6 @@
 // The scene camera's frames on the GPU: copied or imported, shown again, and restored after a lost context.
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <optional>
 
@@ -114,6 +115,33 @@ class Compositors : public testing::Test {
   Model model_;
   SkyReport report_;
 };
+
+// What a visitor wipes: both sides are the very pictures that they are whole, and the building is to be seen on one.
+TEST_F(Compositors, ShowTheBarePictureLeftOfTheWipeAndThePlainOneRightOfIt) {
+  const Buffer buffer(PixelLayout::nv12, installation_.scene.yuv_encoding, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Compositor compositor = make();
+  const Frame frame = copied(lent(buffer, returned));
+  const auto plain = drawn(compositor, frame);
+  compositor.set_bare(1.0);
+  const auto bare = drawn_again(compositor);
+  EXPECT_NE(plain.elements(), bare.elements()) << "there is no building";
+  EXPECT_EQ(bare.elements(), picture_of([&](const DrawTarget& target) {
+                               return make().draw_without_object(decode(frame, installation_.scene.yuv_encoding).value(),
+                                                                 target);
+                             }).elements());
+  for (const double share : {0.25, 0.5, 0.75}) {
+    compositor.set_bare(share);
+    const auto wiped = drawn_again(compositor);
+    const int edge = static_cast<int>(std::lround(share * kWidth));
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        ASSERT_EQ(wiped.at(x, y), (x < edge ? bare : plain).at(x, y)) << x << ", " << y << " at " << share;
+      }
+  }
+  compositor.set_bare(0.0);
+  EXPECT_EQ(drawn_again(compositor).elements(), plain.elements());
+}
 
 TEST_F(Compositors, ReadALentFrameInPlaceAndDrawTheSameBits) {
   const Buffer buffer(PixelLayout::nv12, installation_.scene.yuv_encoding, kWidth, kHeight, 0, 1);

@@ -1,0 +1,64 @@
+#include "pipeline/show/stage/then_and_now.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/words/texts.hpp"
+
+namespace kasumi {
+
+namespace {
+
+// A light line with dark borders is seen on snow and on forest.
+constexpr Rgba8 kEdgeLight{247, 246, 241, 235}, kEdgeDark{17, 19, 23, 150};
+
+std::string_view air_text(const SkyReport& sky) {
+  if (!sky.seen_air() || sky.air->supposed) return "hand.then_supposed";
+  return sky.air->trustworthy ? "hand.then_measured" : "hand.then_earlier";
+}
+
+}  // namespace
+
+HandView hand_view(double bare, const SkyReport& sky, Language language) {
+  if (!(bare > 0.0)) return {};
+  return {bare, std::string(text_of("hand.now", language)), std::string(text_of(air_text(sky), language))};
+}
+
+Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, double to, GlContext& context,
+                          const MessageOptions& letters, const DrawTarget& target) {
+  const CaptionKey key{letters.language, letters.print, target.width};
+  if (label.text != text || label.key != key) {
+    label.text = text;
+    label.key = key;
+    label.picture.reset();
+    auto style = style_of(letters, target.width, target.height);
+    style.largest_width_px = std::max(64, target.width * 45 / 100);
+    if (auto flat = FlatPicture::create(context, picture_of_words(text, letters, style)))
+      label.picture = std::move(*flat);
+  }
+  if (!label.picture) return {};
+  const double width = label.picture->width(), height = label.picture->height(), margin = target.height / 24.0;
+  if (to - from < width + margin) return {};
+  const double left = std::round(std::clamp((from + to - width) / 2.0, 0.0, target.width - width));
+  return label.picture->draw(target, {left, std::round(target.height - margin - height), width, height});
+}
+
+Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageOptions& letters,
+                          const DrawTarget& target) {
+  if (view.bare <= 0.0) return {};
+  const double edge = std::round(view.bare * target.width);
+  if (auto drawn = draw(now_, view.now, 0.0, edge, context, letters, target); !drawn) return drawn;
+  if (auto drawn = draw(then_, view.then, edge, target.width, context, letters, target); !drawn) return drawn;
+  if (view.bare >= 1.0) return {};
+  if (!edge_) {
+    Image<Rgba8> line(3, 1, kEdgeDark);
+    line.at(1, 0) = kEdgeLight;
+    auto flat = FlatPicture::create(context, line);
+    if (!flat) return fail(flat.error());
+    edge_ = std::move(*flat);
+  }
+  const double width = 3.0 * std::max(1.0, std::round(target.height / 540.0));
+  return edge_->draw(target, {edge - std::floor(width / 2.0), 0.0, width, static_cast<double>(target.height)});
+}
+
+}  // namespace kasumi

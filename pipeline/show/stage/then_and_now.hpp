@@ -1,0 +1,42 @@
+// Then and now: the edge between the camera's picture alone, to the left, and the one with the building, each with what
+// it is written on it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gles/picture/flat_picture.hpp"
+#include "pipeline/show/scene/sky_watch.hpp"
+#include "pipeline/show/stage/words.hpp"
+#include "pipeline/site/config/run_config.hpp"
+
+namespace kasumi {
+
+struct HandView {
+  double bare = 0.0;      // of the screen's width: the camera's picture alone
+  std::string now, then;  // what is to be seen left and right of the edge
+  friend bool operator==(const HandView&, const HandView&) = default;
+};
+
+// Of a picture with the building drawn under that air.
+HandView hand_view(double bare, const SkyReport& sky, Language language);
+
+class ThenAndNow {
+ public:
+  // Over a picture that was drawn with Compositor::set_bare(). A side that is too narrow for its words has none.
+  // Errors: device.
+  Result<> draw(GlContext& context, const HandView& view, const MessageOptions& letters, const DrawTarget& target);
+
+ private:
+  struct Label {
+    std::string text;
+    CaptionKey key{};
+    std::optional<FlatPicture> picture;
+  };
+  Result<> draw(Label& label, const std::string& text, double from, double to, GlContext& context,
+                const MessageOptions& letters, const DrawTarget& target);
+  Label now_, then_;
+  std::optional<FlatPicture> edge_;
+};
+
+}  // namespace kasumi
