@@ -124,6 +124,12 @@ inline constexpr StatusFigure kStatusFigures[] = {
     {"start.safe_mode", "Whether too many starts have failed.", kIsSo},
     {"screen_picture.allowed", "Whether the state page may ask for pictures of the screen.", kFlag},
     {"screen_picture.taken", "Such pictures since the start.", kCounted},
+    {"visitor.presses",
+     "What visitors pressed, turned and wiped since the start.",
+     kCounted,
+     "visitor_presses_total",
+     "",
+     {.text = "figure.presses", .unit = "1", .page = "{:.0f}", .machine = true}},
     {"since_boot_s", "Since the machine's boot.", kSeconds},
     {"pid", "The appliance's process.", {1.0, 4194304.0}},
 };

@@ -116,6 +116,7 @@ struct HorizonMailbox : Mailbox {
 struct ReloadMailbox {
   Pulse pulse{"reload"};
   LatestSlot<StageAnswer> answer;
+  std::atomic<std::size_t> era_further = 0;  // a visitor's choice: so many after the one of the day
   Bell bell;
 };
 

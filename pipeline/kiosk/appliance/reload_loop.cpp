@@ -112,7 +112,7 @@ void ReloadLoop::take_content() {
 // By a clock that is not trusted the era stays as it is; then there is no building to see either.
 void ReloadLoop::change_era() {
   if (!content_->eras || !mailboxes_.check.clock_trusted || clock_.now() < era_again_) return;
-  auto content = in_its_era(content_, clock_.utc());
+  auto content = in_its_era(content_, clock_.utc(), mailboxes_.reload.era_further);
   if (content == content_) return;
   try {
     waiting_ = {content, nullptr, clock_.now(), Change::era};

@@ -19,6 +19,7 @@ constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to c
 constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
+constexpr Duration kVisitorStep = 20ms;  // a hand that wipes sees its wipe follow
 constexpr Duration kRenderStatusInterval = 500ms;
 constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
 constexpr Duration kHangRestart = 60s;  // a camera's loop hangs for so long: restart
@@ -72,12 +73,14 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       screen_(content_, devices, clock, watchdog_, status_.display),
       started_(clock.now()),
       snapshots_(mailboxes.snapshot),
+      visitor_(devices, clock),
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
               &mailboxes.proving.pulse, &mailboxes.horizon.pulse, &mailboxes.television.pulse, &mailboxes.status->pulse,
               &mailboxes.reload.pulse}) {
   snapshots_.allow_pages(content_->config.snapshot.screen_picture);
+  visitor_.use(*content_);
 }
 
 // Nobody else can draw: whatever threw, the display is opened anew, and when that does not help the watchdog restarts.
@@ -96,6 +99,7 @@ Instant RenderLoop::take_step() {
   watch_loops();
   read_mailbox();
   adopt_content();
+  follow_visitor();
   if (!screen_.is_open() && screen_.try_open()) {
     shown_.reset();
     picture_at_.reset();  // the new stage has no scene picture
@@ -116,6 +120,7 @@ Instant RenderLoop::take_step() {
   if (next_.is_unfinished()) return now;
   if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
   if (screen_.is_off()) return now + kPollInterval;
+  if (visitor_.is_there()) return now + kVisitorStep;
   return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
 }
 
@@ -144,8 +149,15 @@ void RenderLoop::adopt_content() {
   }
   content_ = content;
   snapshots_.allow_pages(content_->config.snapshot.screen_picture);
+  visitor_.use(*content_);
   ladder_.adopt(patient_with(content_->config.ladder, camera_.frame_interval));
   shown_.reset();
+}
+
+// Which era is to be seen is the reload's to bring about.
+void RenderLoop::follow_visitor() {
+  visitor_.step();
+  if (mailboxes_.reload.era_further.exchange(visitor_.era()) != visitor_.era()) mailboxes_.reload.bell.ring();
 }
 
 void RenderLoop::answer(const std::optional<StageAnswer>& answer) {
@@ -245,13 +257,19 @@ void RenderLoop::update_rung() {
 }
 
 std::vector<std::string> RenderLoop::words() const {
-  std::vector<std::string> lines{snapshots_.words(clock_.now()), visible_message()};
+  std::vector<std::string> lines{snapshots_.words(clock_.now()), visible_message(), visitor_.note()};
   std::erase(lines, "");
   return lines;
 }
 
 Composition RenderLoop::composition() const {
-  return {status_.rung, fmt::format("{}", fmt::join(words(), "\n"))};
+  Composition all{status_.rung, fmt::format("{}", fmt::join(words(), "\n"))};
+  if (!visitor_.is_there()) return all;
+  all.language = visitor_.language();
+  all.print = visitor_.print();
+  // Where there is no building, then is as now.
+  if (is_building_seen()) all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language());
+  return all;
 }
 
 // All but the picture itself.
@@ -259,6 +277,7 @@ Snapshot RenderLoop::snapshot_facts() const {
   auto texts = words();
   if (const auto& caption = content_->config.still.caption; status_.rung.still > 0.0 && !caption.empty())
     texts.insert(texts.begin(), caption);
+  if (shown_ && shown_->hand.bare > 0.0) texts.insert(texts.end(), {shown_->hand.now, shown_->hand.then});
   return snapshot_of(status_, is_building_seen(), texts, clock_.utc());
 }
 
@@ -269,14 +288,15 @@ bool RenderLoop::is_building_seen() const {
 // While the air is still known, visitors need not hear of a missing sky camera.
 std::string RenderLoop::visible_message() const {
   const auto& options = content_->config.messages;
+  const auto language = visitor_.is_there() ? visitor_.language() : options.language;
   const auto trouble = status_.rung.trouble;
   const auto message = message_of(trouble);
   const auto* air = sky_.report.seen_air();
   // Whoever has just changed the content stands before the screen now, or never.
   const bool tells_content = options.show_faults && content_->instead && clock_.now() - started_ < kContentMessage;
-  if (!message && tells_content) return std::string(message_text(Message::earlier_content, options.language));
+  if (!message && tells_content) return std::string(message_text(Message::earlier_content, language));
   if (!options.show_faults || !message || (trouble == Trouble::sky_lost && air && air->trustworthy)) return {};
-  return std::string(message_text(*message, options.language));
+  return std::string(message_text(*message, language));
 }
 
 bool RenderLoop::is_due(Instant now) const {
@@ -334,6 +354,7 @@ void RenderLoop::present() {
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   const auto* newest = frame ? &*frame : nullptr;
   const auto holder = frame ? frame->holder : nullptr;
+  screen_.stage().scene().set_bare(composition().hand.bare);
   const auto uploaded_before = screen_.stage().scene().frames().uploaded;
   const auto on_planes = try_planes(newest, **target);
   if (!on_planes) return handle_screen_fault(on_planes.error());
@@ -452,6 +473,7 @@ void RenderLoop::publish() {
   if (const auto* look = screen_.is_open() ? screen_.stage().scene().around().passers() : nullptr)
     status_.passers = PassersStatus{look->state, look->known_share, look->covered_share, look->until_watching};
   status_.page_pictures = snapshots_.page_pictures();
+  status_.visitor = visitor_.status();
   if (now - minute_began_ >= 1min) {
     minute_began_ = now;
     status_.latency_minute = latency_.take_minute();

@@ -10,6 +10,7 @@
 #include "pipeline/kiosk/appliance/next_stage.hpp"
 #include "pipeline/kiosk/appliance/screen.hpp"
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
+#include "pipeline/kiosk/appliance/visitor_desk.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
@@ -38,6 +39,7 @@ class RenderLoop {
   void watch_loops();
   void read_mailbox();
   void read_sky();
+  void follow_visitor();
   void take_content();
   void adopt_content();
   void take_order();
@@ -93,6 +95,7 @@ class RenderLoop {
 
   LatencyWatch latency_;
   SnapshotDesk snapshots_;
+  VisitorDesk visitor_;
   std::optional<Composition> shown_;
   Instant turned_;  // when the present step began
   Instant shown_at_;

@@ -1,6 +1,7 @@
 #include "pipeline/kiosk/appliance/status.hpp"
 
 #include <cmath>
+#include <numeric>
 
 #include <unistd.h>
 #include <nlohmann/json.hpp>
@@ -54,6 +55,21 @@ OrderedJson camera_json(const CameraStatus& status, Instant now) {
                     {"gain", or_null(health.mode->gain)},
                     {"white_balance_k", or_null(health.mode->white_balance_k)},
                     {"notes", health.mode->notes}};
+  return json;
+}
+
+OrderedJson visitor_json(const VisitorStatus& visitor) {
+  const auto& presses = visitor.presses;
+  OrderedJson json;
+  json["presses"] = std::accumulate(presses.begin(), presses.end(), std::uint64_t{0});
+  json["devices"] = OrderedJson::array();
+  for (const auto& device : visitor.devices)
+    json["devices"].push_back({{"device", device.path.string()},
+                               {"name", device.name},
+                               {"up", device.up},
+                               {"problem", device.problem},
+                               {"opened", device.opened},
+                               {"lost", device.lost}});
   return json;
 }
 
@@ -323,6 +339,7 @@ std::string status_json(const Status& status) {
   json["draw_refused"] = refused.empty() ? OrderedJson(nullptr) : OrderedJson(refused);
   json["people_in_front"] = passers_json(status.render.passers);
   json["screen_picture"] = page_pictures_json(status.render.page_pictures);
+  if (status.render.visitor) json["visitor"] = visitor_json(*status.render.visitor);
   json["clock_trusted"] = status.sky.clock_trusted;
   json["recording"] = false;  // recording needs the cameras for itself: only `kasumi record` does it
   json["latency_ms"] = latency_json(status.render.latency);

@@ -22,7 +22,8 @@ constexpr Duration kStatsInterval = 1min;
 // What reading the content and compiling shaders took and gave back lies in pieces between what is still in use: 23 of
 // the demo's 159 MB.
 constexpr Duration kFirstTrim = 20s, kTrimInterval = 1min;
-constexpr Duration kHeatInterval = 5s;  // a heat sink takes minutes
+constexpr Duration kPressesInterval = 10min;  // a write to the disk
+constexpr Duration kHeatInterval = 5s;        // a heat sink takes minutes
 // An opening that takes so long hangs. The watchdog ends the program half a minute later at the earliest, and a disk may
 // be slow.
 constexpr Duration kOpeningHangs = 30s;
@@ -46,7 +47,8 @@ StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, 
       hangs_({&mailboxes.render.pulse}),
       saved_(clock.now()),
       stats_at_(clock.now()),
-      trim_at_(clock.now() + kFirstTrim) {
+      trim_at_(clock.now() + kFirstTrim),
+      presses_kept_(clock.now()) {
   status_.since = clock.utc();
 }
 
@@ -158,6 +160,8 @@ void StatusLoop::step() {
   spdlog::default_logger_raw()->flush();  // writes suppressed lines whose pause is over
   write_status();
   keep_history(minute_.add(history_line(status_), status_.now));
+  count_presses();
+  if (status_.now - presses_kept_ >= kPressesInterval) keep_presses();
   if (status_.now - saved_ >= options_.save_interval) save_air();
   if (status_.now >= trim_at_) {
     trim_at_ = status_.now + kTrimInterval;
@@ -174,6 +178,8 @@ void StatusLoop::keep() {
   keep_history(minute_.end());
   write_status();
   save_air();
+  count_presses();
+  keep_presses();
   if (options_.starts) options_.starts->writer().flush(1s);
 }
 
@@ -200,6 +206,26 @@ void StatusLoop::keep_history(const std::optional<HistoryLine>& minute) {
   if (!folder || !minute) return;
   kept_->history.add(*folder / kHistoryFile, *minute);
   note("history", [kept = kept_] { log_outage(kept->history.write(), kept->history_failing, "history"); });
+}
+
+// By a clock that is not trusted there is no hour to count them for. A choice of other options begins at zero again.
+void StatusLoop::count_presses() {
+  const auto& visitor = status_.render.visitor;
+  const auto told = visitor ? visitor->presses : decltype(presses_){};
+  const auto before = std::exchange(presses_, told);
+  if (!visitor || !status_.sky.clock_trusted || told == before) return;
+  auto& hour = fresh_presses_[std::chrono::floor<std::chrono::hours>(status_.utc)];
+  for (std::size_t i = 0; i < kHandKeys; ++i) hour[i] += told[i] >= before[i] ? told[i] - before[i] : told[i];
+}
+
+void StatusLoop::keep_presses() {
+  presses_kept_ = status_.now;
+  auto fresh = std::exchange(fresh_presses_, {});
+  const auto& folder = content_->config.state_folder;
+  if (!folder || fresh.empty()) return;
+  note("presses", [kept = kept_, fresh = std::move(fresh), file = *folder / kPressesFile, utc = status_.utc] {
+    log_outage(add_presses(file, fresh, utc), kept->presses_failing, "visitors' presses");
+  });
 }
 
 void StatusLoop::save_air() {

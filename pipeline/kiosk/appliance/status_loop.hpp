@@ -11,6 +11,7 @@
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
 #include "pipeline/kiosk/start/start_log.hpp"
+#include "pipeline/kiosk/start/visitor_presses.hpp"
 #include "pipeline/machine/notifier.hpp"
 
 namespace kasumi {
@@ -37,6 +38,8 @@ class StatusLoop {
   void write_status();
   void save_air();
   void keep_history(const std::optional<HistoryLine>& minute);
+  void count_presses();
+  void keep_presses();
   void note(const std::string& what, std::function<void()> job);
 
   ContentPtr content_;
@@ -66,10 +69,12 @@ class StatusLoop {
   HistoryMinute minute_;
   struct Kept {  // owned by the writer
     HistoryKeeper history;
-    bool air_failing = false, history_failing = false;  // already logged
+    bool air_failing = false, history_failing = false, presses_failing = false;  // already logged
   };
   std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
-  Instant saved_, stats_at_, trim_at_;
+  std::array<std::uint64_t, kHandKeys> presses_{};  // since the start, as last told
+  PressesByHour fresh_presses_;                     // not yet kept
+  Instant saved_, stats_at_, trim_at_, presses_kept_;
 };
 
 }  // namespace kasumi

@@ -1,6 +1,7 @@
 // What the other loops report to the status loop.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "pipeline/kiosk/content/probation.hpp"
 #include "pipeline/kiosk/loop/latency.hpp"
 #include "pipeline/kiosk/loop/television_switch.hpp"
+#include "pipeline/machine/input_reader.hpp"
 #include "pipeline/site/config/ladder.hpp"
 
 namespace kasumi {
@@ -35,6 +37,13 @@ struct PassersStatus {
   Duration until_watching{};                      // at least, while learning
 };
 
+// What visitors' hands do; only how often each key was pressed is counted.
+struct VisitorStatus {
+  std::vector<InputDeviceState> devices;
+  std::array<std::uint64_t, kHandKeys> presses{};  // since the start
+  bool idle = true;
+};
+
 struct RenderStatus {
   Rung rung;
   DisplayStatus display;
@@ -51,6 +60,7 @@ struct RenderStatus {
   std::optional<LatencySummary> latency_minute;  // of the last whole minute
   std::optional<PassersStatus> passers;          // empty: not asked for, or no picture yet
   PagePictures page_pictures;
+  std::optional<VisitorStatus> visitor;  // empty: visitors choose nothing
   Instant told{};
 };
 

@@ -47,6 +47,9 @@ void check_flips(Display& display, Clock& clock, Findings& findings);
 void check_gl(const GlInfo& info, Findings& findings);
 void check_mixing(const GlInfo& info, Mixing mixing, Findings& findings);
 
+// check_visitor.cpp: which of the visitors' devices are there.
+void check_visitor(const VisitorOptions& options, Devices& devices, Findings& findings);
+
 // check_appliance.cpp: judges the running appliance's own status, `later` read some seconds after `before`.
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings);

@@ -198,6 +198,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
       check_cameras(request, config, devices, clock, findings);
       check_display(config, devices, clock, findings);
     }
+    if (config.visitor) check_visitor(*config.visitor, devices, findings);
     check_content(**content, findings);
     check_words(config, findings);
     check_generation(request.generations, findings);

@@ -197,10 +197,12 @@ Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const s
               config_file.string(), std::chrono::duration<double>(longest).count());
 }
 
-ContentPtr in_its_era(const ContentPtr& content, Utc now) {
+ContentPtr in_its_era(const ContentPtr& content, Utc now, std::size_t further) {
   if (!content->eras) return content;
   const auto& config = content->config;
-  return in_era(content, era_at(config.eras, config.opening.time_zone, now).value_or(content->era));
+  const auto of_the_day = era_at(config.eras, config.opening.time_zone, now);
+  if (!of_the_day) return in_era(content, content->era);
+  return in_era(content, (*of_the_day + further) % content->eras->size());
 }
 
 std::vector<ContentPtr> all_eras(const ContentPtr& content) {

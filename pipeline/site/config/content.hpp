@@ -63,8 +63,9 @@ Result<ContentPtr> read_content(const std::filesystem::path& config_file, const 
 // it took longer. Exceptions become faults.
 Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const std::filesystem::path& config_file);
 
-// The same content as it is shown at that time: itself while nothing changes. Thread-safe, and quick.
-ContentPtr in_its_era(const ContentPtr& content, Utc now);
+// The same content as it is shown at that time: itself while nothing changes. `further`: so many eras after that one, and
+// on from the first after the last. Thread-safe, and quick.
+ContentPtr in_its_era(const ContentPtr& content, Utc now, std::size_t further = 0);
 // One for each era, so that all can be tried; without eras the content itself.
 std::vector<ContentPtr> all_eras(const ContentPtr& content);
 // What the reader left out of the models of all eras, each once, for the terminal.

@@ -232,6 +232,21 @@ TEST(Doctor, WhileTheApplianceRunsItsStatusIsReadInstead) {
   EXPECT_TRUE(has(findings, "scene_camera.rate"));
 }
 
+TEST(Doctor, NamesEachOfTheVisitorsDevicesAsThereOrMissing) {
+  Untouchable devices;
+  devices.input.devices["/dev/input/by-id/usb-Knob-event-if00"].name = "Knob\n\x1b[2J";
+  VisitorOptions options;
+  options.devices = {"/dev/input/by-id/usb-Knob-event-if00", "/dev/input/by-id/usb-Lost-event-kbd"};
+  Findings findings;
+  check_visitor(options, devices, findings);
+  ASSERT_EQ(findings.all().size(), 2U);
+  EXPECT_EQ(findings.all()[0].grade, Grade::good);
+  EXPECT_THAT(findings.all()[0].found, HasSubstr("Knob??[2J"));
+  EXPECT_EQ(findings.all()[1].grade, Grade::warning);
+  EXPECT_THAT(findings.all()[1].found, HasSubstr("usb-Lost-event-kbd: no such device now"));
+  EXPECT_EQ(devices.input.devices.begin()->second.grabbed, 0) << "they are the appliance's";
+}
+
 TEST(Doctor, AnInvalidConfigurationIsAFailureAndTheMachineIsExaminedAnyway) {
   Machine machine("refused");
   const auto folder = operating_folder("refused");

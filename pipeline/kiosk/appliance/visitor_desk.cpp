@@ -1,0 +1,86 @@
+#include "pipeline/kiosk/appliance/visitor_desk.hpp"
+
+#include <algorithm>
+
+#include "base/words/texts.hpp"
+
+namespace kasumi {
+
+namespace {
+
+constexpr double kLargePrint = 1.6;  // of the usual size; labels still fit on half a screen
+
+std::vector<std::string> names_of(const std::vector<Era>& eras) {
+  std::vector<std::string> names;
+  for (const auto& era : eras) names.push_back(era.name);
+  return names;
+}
+
+std::vector<Language> from_configured(std::vector<Language> languages, Language configured) {
+  if (languages.empty()) languages = all_languages();
+  const auto place = std::ranges::find(languages, configured);
+  if (place == languages.end())
+    languages.insert(languages.begin(), configured);
+  else
+    std::rotate(languages.begin(), place, languages.end());
+  return languages;
+}
+
+}  // namespace
+
+void VisitorDesk::use(const Content& content) {
+  const auto& config = content.config;
+  shown_era_ = era_name(content);
+  auto eras = names_of(config.eras);
+  auto languages =
+      from_configured(config.visitor ? config.visitor->languages : std::vector<Language>{}, config.messages.language);
+  if (options_ == config.visitor && eras == eras_ && languages == languages_) return;
+  const bool same_devices = options_ && config.visitor && options_->devices == config.visitor->devices &&
+                            options_->keys == config.visitor->keys;
+  options_ = config.visitor;
+  eras_ = std::move(eras);
+  languages_ = std::move(languages);
+  if (!same_devices) reader_.reset();  // before they are opened again
+  hand_.reset();
+  if (!options_) return;
+  if (!reader_)
+    reader_.emplace(
+        *options_, [this](const std::filesystem::path& path) { return devices_.open_input(path); }, clock_);
+  hand_.emplace(
+      VisitorHand::Limits{std::max<std::size_t>(eras_.size(), 1), languages_.size(), options_->notch, options_->idle});
+}
+
+void VisitorDesk::step() {
+  if (!reader_) return;
+  const auto now = clock_.now();
+  for (const auto& event : reader_->read()) hand_->take(event, now);
+  hand_->step(now);
+}
+
+Language VisitorDesk::language() const {
+  return languages_[hand_ ? hand_->choice().language : 0];
+}
+
+double VisitorDesk::print() const {
+  return hand_ && hand_->choice().large_print ? kLargePrint : 1.0;
+}
+
+std::string VisitorDesk::note() const {
+  const auto pressed = hand_ ? hand_->pressed(clock_.now()) : std::nullopt;
+  if (!pressed) return {};
+  switch (*pressed) {
+    case HandKey::then_and_now: break;  // its labels say what it does
+    case HandKey::era: return shown_era_;
+    case HandKey::language: return std::string(name_of(language()));
+    case HandKey::large_print:
+      return std::string(text_of(hand_->choice().large_print ? "hand.large_print" : "hand.normal_print", language()));
+  }
+  return {};
+}
+
+std::optional<VisitorStatus> VisitorDesk::status() const {
+  if (!reader_) return std::nullopt;
+  return VisitorStatus{reader_->devices(), hand_->presses(), hand_->is_idle()};
+}
+
+}  // namespace kasumi

@@ -1,0 +1,45 @@
+// What visitors choose, where [visitor] allows it: their devices read, their hand followed, and what is to be seen of it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "pipeline/kiosk/appliance/status_mailbox.hpp"
+#include "pipeline/machine/devices.hpp"
+#include "pipeline/machine/input_reader.hpp"
+#include "pipeline/show/stage/stage.hpp"
+#include "pipeline/show/stage/visitor_hand.hpp"
+
+namespace kasumi {
+
+// Belongs to the main thread. Without [visitor] it opens nothing and changes nothing.
+class VisitorDesk {
+ public:
+  // `devices` and `clock` must outlive it.
+  VisitorDesk(Devices& devices, Clock& clock) : devices_(devices), clock_(clock) {}
+  // Other options, or other eras, begin anew; else what was chosen stays.
+  void use(const Content& content);
+  // Reads what has happened since. Never waits.
+  void step();
+
+  bool is_there() const { return reader_.has_value(); }
+  bool is_moving() const { return hand_ && hand_->is_moving(); }
+  double bare() const { return hand_ ? hand_->choice().bare : 0.0; }
+  std::size_t era() const { return hand_ ? hand_->choice().era : 0; }  // so many after the one of the day
+  Language language() const;
+  double print() const;      // of the letters' usual size
+  std::string note() const;  // what was chosen last, for some seconds after; empty: nothing
+  std::optional<VisitorStatus> status() const;
+
+ private:
+  Devices& devices_;
+  Clock& clock_;
+  std::optional<VisitorOptions> options_;
+  std::vector<std::string> eras_;
+  std::string shown_era_;
+  std::vector<Language> languages_{Language::english};  // the configured one first
+  std::optional<InputReader> reader_;
+  std::optional<VisitorHand> hand_;
+};
+
+}  // namespace kasumi

@@ -1,0 +1,202 @@
+// A visitor's hand on the appliance: events of fake devices in, pictures of the glass out.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <nlohmann/json.hpp>
+
+#include "base/files.hpp"
+#include "pipeline/kiosk/start/visitor_presses.hpp"
+#include "tests/pipeline/kiosk/appliance/rig.hpp"
+#include "tests/pipeline/recorded.hpp"
+#include "tests/places.hpp"
+
+namespace kasumi {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path kPanel = "/dev/input/by-id/usb-Panel-event-kbd";
+constexpr const char* kHand =
+    "\n[visitor]\ndevices = [\"/dev/input/by-id/usb-Panel-event-kbd\"]\nthen_and_now = [\"KEY_SPACE\"]\n"
+    "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\n";
+
+struct Kiosk {
+  explicit Kiosk(const std::string& name, const std::string& more = {}) {
+    rig = std::make_unique<Rig>(RigOptions{.name = name, .more_config = kHand + more});
+    plug();
+    rig->advance(12s);
+    EXPECT_EQ(rig->shown(), Shown::live);
+  }
+  void plug() {
+    auto& is = rig->devices.input.devices[kPanel];
+    is.plugged = true;
+    is.axes[ABS_X].maximum = 1000;
+  }
+  FakeInputDevice& panel() { return rig->devices.input.devices[kPanel]; }
+  void tap(int code) {
+    panel().key(code, true);
+    rig->advance(60ms);
+    panel().key(code, false);
+    rig->advance(60ms);
+  }
+  void touch(int place) {
+    panel().send(EV_KEY, BTN_TOUCH, 1);
+    panel().send(EV_ABS, ABS_X, place);
+    panel().report();
+    rig->advance(400ms);
+  }
+  void let_go() {
+    panel().send(EV_KEY, BTN_TOUCH, 0);
+    panel().report();
+    rig->advance(40ms);
+  }
+  nlohmann::json status() {
+    rig->status();
+    return nlohmann::json::parse(read_text_file(rig->folder / "status.json").value());
+  }
+  std::unique_ptr<Rig> rig;
+};
+
+// Below the frame's number and above the labels.
+double difference(const Image<Rgb8>& a, const Image<Rgb8>& b, int from, int to) {
+  double sum = 0.0;
+  for (int y = 20; y < 120; ++y)
+    for (int x = from; x < to; ++x) sum += std::abs(a.at(x, y).g - b.at(x, y).g);
+  return sum / (100.0 * (to - from));
+}
+
+TEST(Visitor, WithoutTheTableNothingIsOpenedAndTheGlassIsTheSame) {
+  Rig plain({.name = "no-visitor"});
+  plain.devices.input.devices[kPanel] = {};
+  plain.devices.input.devices[kPanel].key(KEY_SPACE, true);
+  Rig idle({.name = "idle-visitor", .more_config = kHand});
+  idle.devices.input.devices[kPanel] = {};
+  for (auto* rig : {&plain, &idle}) rig->advance(12s);
+  EXPECT_EQ(plain.devices.input.devices[kPanel].opened, 0);
+  EXPECT_EQ(idle.devices.input.devices[kPanel].opened, 1);
+  plain.status();
+  EXPECT_EQ(read_text_file(plain.folder / "status.json").value().find("visitor"), std::string::npos);
+  const auto a = plain.picture(), b = idle.picture();
+  ASSERT_EQ(frame_number(a), frame_number(b));
+  EXPECT_EQ(a.elements(), b.elements()) << "an idle visitor's picture is the plain one";
+}
+
+TEST(Visitor, AFingerWipesTheBuildingAwayAndItComesBack) {
+  Kiosk kiosk("wipe");
+  const auto plain = kiosk.rig->picture();
+  kiosk.panel().key(KEY_SPACE, true);
+  kiosk.rig->advance(1s);
+  const auto bare = kiosk.rig->picture();
+  EXPECT_GT(difference(plain, bare, 60, 260), 0.05) << "the building is gone";
+  kiosk.panel().key(KEY_SPACE, false);
+  kiosk.rig->advance(2s);
+  EXPECT_LT(difference(kiosk.rig->picture(), plain, 60, 260), 0.02) << "and is back";
+  kiosk.touch(500);
+  const auto wiped = kiosk.rig->picture();
+  EXPECT_LT(difference(wiped, bare, 20, 155), 0.02);
+  EXPECT_LT(difference(wiped, plain, 165, 300), 0.02);
+  kiosk.let_go();
+  kiosk.rig->advance(2s);
+  EXPECT_LT(difference(kiosk.rig->picture(), plain, 20, 300), 0.02);
+  EXPECT_EQ(kiosk.status()["visitor"]["presses"], 2);
+}
+
+TEST(Visitor, AnotherVisitorFindsTheLanguageOfTheKiosk) {
+  Kiosk kiosk("language");
+  const auto before = kiosk.rig->picture();
+  kiosk.tap(KEY_L);
+  kiosk.rig->advance(200ms);
+  EXPECT_NE(kiosk.rig->picture().elements(), before.elements()) << "\"Deutsch\"";
+  kiosk.rig->devices.scene.unplugged = true;
+  kiosk.rig->advance(10s);
+  const auto german = kiosk.rig->picture();
+  kiosk.rig->advance(40s);
+  const auto english = kiosk.rig->picture();
+  EXPECT_NE(german.elements(), english.elements()) << "the message is in the first visitor's language no longer";
+  kiosk.tap(KEY_L);
+  kiosk.rig->advance(4s);
+  EXPECT_EQ(kiosk.rig->picture().elements(), german.elements());
+  kiosk.tap(KEY_P);
+  kiosk.rig->advance(4s);
+  EXPECT_NE(kiosk.rig->picture().elements(), german.elements()) << "large print";
+}
+
+TEST(Visitor, AnEraIsChosenAndTheOneOfTheDayComesBack) {
+  const auto folder = test_folder("appliance-visitor-era");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::filesystem::copy_file(source_folder() / "fixtures/pagoda.glb", folder / "pagoda.glb");
+  RigOptions options{.name = "visitor-era",
+                     .more_config = std::string(kHand) +
+                                    "[opening]\ntime_zone = \"UTC\"\n[[era]]\nname = \"temple\"\n"
+                                    "hours = \"00:00-12:00\"\n[[era]]\nname = \"pagoda\"\nhours = \"12:00-24:00\"\n"
+                                    "model = \"pagoda.glb\"\n"};
+  options.keep_folder = true;
+  Rig rig(options);
+  rig.devices.input.devices[kPanel] = {};
+  rig.advance(12s);
+  const auto era = [&] { return rig.status().era; };
+  EXPECT_EQ(era(), "temple");
+  rig.devices.input.devices[kPanel].key(KEY_E, true);
+  EXPECT_TRUE(rig.advance_until([&] { return era() == "pagoda"; }, 20s));
+  EXPECT_EQ(rig.shown(), Shown::live);
+  EXPECT_TRUE(rig.advance_until([&] { return era() == "temple"; }, 60s)) << "without a hand for 45 s";
+}
+
+TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
+  Kiosk kiosk("presses");
+  kiosk.tap(KEY_L);
+  kiosk.tap(KEY_L);
+  kiosk.tap(KEY_P);
+  kiosk.rig->advance(2s);
+  kiosk.rig->appliance->status().keep();
+  const auto text = read_text_file(kiosk.rig->folder / "state" / kPressesFile).value();
+  EXPECT_EQ(text, "hour_utc,then_and_now,era,language,large_print\n2026-06-21T03:00:00Z,0,0,2,1\n");
+}
+
+TEST(Visitor, Row48ADeviceThatIsUnpluggedLetsGoAndComesBack) {
+  Kiosk kiosk("unplugged");
+  kiosk.panel().key(KEY_SPACE, true);
+  kiosk.rig->advance(1s);
+  const auto bare = kiosk.rig->picture();
+  kiosk.panel().plugged = false;
+  kiosk.rig->advance(3s);
+  EXPECT_GT(difference(kiosk.rig->picture(), bare, 60, 260), 0.05) << "the building is back";
+  EXPECT_EQ(kiosk.rig->shown(), Shown::live);
+  const auto device = kiosk.status()["visitor"]["devices"][0];
+  EXPECT_EQ(device["up"], false);
+  EXPECT_THAT(device["problem"].get<std::string>(), HasSubstr("no such device now"));
+  kiosk.panel().queue.clear();
+  kiosk.panel().plugged = true;
+  kiosk.rig->advance(2s);
+  EXPECT_EQ(kiosk.status()["visitor"]["devices"][0]["up"], true);
+  kiosk.touch(990);
+  EXPECT_LT(difference(kiosk.rig->picture(), bare, 60, 260), 0.02);
+}
+
+// 10^5 events a second of all kinds.
+TEST(Visitor, Row49AHostileDeviceStopsNoPicture) {
+  Kiosk kiosk("hostile");
+  kiosk.panel().keeps = 512;
+  const auto pictures = kiosk.rig->status().render.scene_frames;
+  std::mt19937 random(3);
+  for (int i = 0; i < 250; ++i) {
+    for (int event = 0; event < 2000; ++event)
+      kiosk.panel().send(static_cast<int>(random() % 32U), static_cast<int>(random() % 768U),
+                         static_cast<int>(random()));
+    const auto before = kiosk.panel().read;
+    kiosk.rig->advance(Rig::kTick);
+    EXPECT_LE(kiosk.panel().read - before, 2 * kMostInputEvents);
+  }
+  EXPECT_EQ(kiosk.rig->shown(), Shown::live);
+  EXPECT_GE(kiosk.rig->status().render.scene_frames, pictures + 20U) << "of 25 in five seconds";
+  kiosk.panel().plugged = false;
+  kiosk.rig->advance(50s);
+  EXPECT_TRUE(kiosk.rig->status().render.visitor->idle);
+}
+
+}  // namespace
+}  // namespace kasumi
