@@ -38,6 +38,19 @@ Result<> until_done(Step step) {
   }
 }
 
+// Draws `right` from this column of the target on, and `left` before it.
+template <class Left, class Right>
+Result<> right_of(int column, const DrawTarget& target, Right right, Left left) {
+  if (column <= 0) return right();
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(column, 0, target.width - column, target.height);
+  auto drawn = right();
+  glScissor(0, 0, column, target.height);
+  if (drawn) drawn = left();
+  glDisable(GL_SCISSOR_TEST);
+  return drawn;
+}
+
 }  // namespace
 
 Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -292,7 +305,8 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   if (s.mixes()) {
     const auto picture = s.mixed(&measured, noise);
     if (!picture) return fail(picture.error());
-    return s.show(**picture, target);
+    return right_of(
+        bare, target, [&] { return s.show(**picture, target); }, [&] { return s.show(s.mix->background(), target); });
   }
   if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
@@ -302,14 +316,10 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
     if (auto done = s.composite.finish(s.programs, s.frame(), shown, *s.layer, measured, noise, s.info); !done)
       return done;
   shown.begin(target, false);
-  if (bare <= 0) return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
-  glEnable(GL_SCISSOR_TEST);
-  glScissor(bare, 0, target.width - bare, target.height);
-  auto drawn = s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed);
-  glScissor(0, 0, bare, target.height);
-  if (drawn) drawn = s.composite.draw_camera_alone(s.programs, s.frame(), shown);
-  glDisable(GL_SCISSOR_TEST);
-  return drawn;
+  return right_of(
+      bare, target,
+      [&] { return s.composite.draw(s.programs, s.frame(), shown, *s.layer, measured, noise, *processed); },
+      [&] { return s.composite.draw_camera_alone(s.programs, s.frame(), shown); });
 }
 
 void Renderer::set_bare(double share) {

@@ -198,7 +198,7 @@ class Run {
       return {};
     }
     place_sun(latest_, frame->metadata.utc, site_);
-    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_) {
+    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_ && request_.wipe <= 0.0) {
       const auto mixed = compositor_.mix(*frame, latest_);
       if (!mixed) return skip_or_fail(*frame, mixed.error());
       if (output_.sink)
