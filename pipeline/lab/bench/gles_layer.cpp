@@ -1,5 +1,7 @@
 // What the object's light, its size and the camera's quality cost: in the layer, which is redrawn when air or sun
 // change, and in every frame.
+#include "capture/codec/encode.hpp"
+#include "capture/codec/jpeg.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/lab/bench/gles.hpp"
@@ -8,6 +10,7 @@
 #include "pipeline/lab/bench/gles_showing.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
 
+#include <algorithm>
 #include <memory>
 
 namespace kasumi {
@@ -59,7 +62,15 @@ Result<std::vector<BenchRow>> bench_layer() {
               {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2, .sharpening = 0.8, .jpeg_blocks = true});
   for (const auto* renderer : {&plain, &glossy, &spread, &million, &decoded, &processed})
     if (!*renderer) return fail(renderer->error());
-  for (auto* renderer : {&decoded, &processed})
+  auto by_processor = showing(**context, scene, scene.facade,
+                              {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2}, Mixing::processor);
+  if (!by_processor) return fail(by_processor.error());
+  Image<Rgb8> seen(scene.view.width, scene.view.height);
+  std::ranges::transform(scene.frame.pixels.elements(), seen.elements().begin(),
+                         [](const glm::u8vec4& pixel) { return Rgb8(pixel); });
+  const auto jpeg = encode_jpeg(seen, 85, ChromaSubsampling::s420);
+  if (!jpeg) return fail(jpeg.error());
+  for (auto* renderer : {&decoded, &processed, &by_processor})
     if (auto loaded = (*renderer)->upload(scene.frame.i420(), steps_of_jpeg()); !loaded) return fail(loaded.error());
   const GlTexture picture =
       make_picture_texture(scene.view.width, scene.view.height, scene.frame.pixels.elements().data());
@@ -85,6 +96,22 @@ Result<std::vector<BenchRow>> bench_layer() {
       watch.ratio(frame_of(*spread), frame_of(*plain), kFramePairs), 1.10);
   add("cached composite sharpened and rounded as its camera's JPEG / without",
       watch.ratio(frame_of(*processed), frame_of(*decoded), kFramePairs));
+  // With the upload, which the processor does not need.
+  const auto by_shaders = [&]() -> Result<> {
+    if (auto loaded = decoded->upload(scene.frame.i420(), nullptr); !loaded) return loaded;
+    return decoded->draw(scene.measured, target);
+  };
+  const auto mixed = [&]() -> Result<> {
+    if (auto loaded = by_processor->upload(scene.frame.i420(), nullptr); !loaded) return loaded;
+    const auto made = by_processor->mix(scene.measured);
+    return made ? Result<>{} : fail(made.error());
+  };
+  const auto decode = [&]() -> Result<> {
+    const auto planes = decode_jpeg(*jpeg, scene.view.width, scene.view.height);
+    return planes ? Result<>{} : fail(planes.error());
+  };
+  add("an I420 frame by the shaders / mixed by the processor", watch.ratio(by_shaders, mixed, kFramePairs));
+  add("  mixed by the processor / decoding it from JPEG", watch.ratio(mixed, decode, kFramePairs));
   add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
                   1e-6 * static_cast<double>(large.triangle_count()),
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),

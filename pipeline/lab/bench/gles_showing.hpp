@@ -10,8 +10,8 @@
 namespace kasumi {
 
 inline Result<Renderer> showing(GlContext& context, const BenchScene& scene, const Model& model,
-                                const ObjectDetail& detail = {}) {
-  auto renderer = Renderer::create(context);
+                                const ObjectDetail& detail = {}, Mixing mixing = Mixing::gpu) {
+  auto renderer = Renderer::create(context, {.mixing = mixing});
   if (!renderer) return renderer;
   if (auto set = renderer->set_model(model); !set) return fail(set.error());
   if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
