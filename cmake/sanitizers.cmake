@@ -13,9 +13,21 @@ function(kasumi_is_under folder folders result)
   endforeach()
 endfunction()
 
+# What is watched is said here and nowhere else; tests/house/test_watched.cpp sees that nothing that reads foreign bytes is left out.
 # Generators and benches, and what an installer or a researcher starts by hand on pictures of their own: never watched.
 set(KASUMI_NEVER_WATCHED fixtures pipeline/lab/bench pipeline/install/calibrate pipeline/install/calibration_report pipeline/lab/comparison pipeline/lab/haze
-  pipeline/lab/sky)
+  pipeline/lab/look pipeline/lab/prove pipeline/lab/sky)
+# What solves equations, by Eigen or Ceres, in folders that are watched for what else they do: it is given numbers that the readers have
+# checked, in matrices whose sizes are its own, and is three fifths of these folders' compilation. kasumi_compile_together() keeps these
+# files apart in every build, so that all builds share them.
+set(KASUMI_SOLVERS
+  calib/colour/colour.cpp calib/colour/daylight_response.cpp calib/colour/non_negative.cpp calib/colour/sensitivity_fit.cpp
+  calib/lens/board_pose.cpp calib/lens/foreign_lens.cpp calib/lens/lens_fit.cpp
+  calib/mask/rim_fit.cpp calib/mask/sky_mask.cpp
+  estimator/horizon/clear_horizon.cpp estimator/horizon/lowest_sky.cpp
+  estimator/landmarks/extinction.cpp estimator/landmarks/joint_channel.cpp estimator/landmarks/path_aerosol.cpp
+  estimator/passers/light_mix.cpp
+  estimator/sky_camera/aureole_fit.cpp estimator/sky_camera/sky_vignetting.cpp)
 if(NOT KASUMI_SANITIZE)
   return()
 endif()
@@ -27,8 +39,10 @@ if(KASUMI_SANITIZE MATCHES "address.*undefined")
   # Eigen takes memory in another way under the address sanitizer: its objects could not go between what is watched and what is not.
   list(APPEND KASUMI_INSTRUMENTED -DEIGEN_MALLOC_ALREADY_ALIGNED=1)
   # Hostile bytes reach every room, but not these folders: they are given checked numbers, or what an installer's command has found in
-  # a picture, and compute with them. Their templates would be the dearest of all to compile once more.
-  set(KASUMI_NOT_WATCHED calib/board calib/pose estimator/air estimator/fusion estimator/light estimator/sky_fit)
+  # a picture, and compute with them; or draw what gles/model and gles/gpu_model have read and counted. Their templates would be the
+  # dearest of all to compile once more.
+  set(KASUMI_NOT_WATCHED calib/board calib/light calib/pose estimator/air estimator/fusion estimator/light estimator/sky_fit
+    gles/air gles/light gles/object gles/shadow)
   # The estimator's and the calibration's Eigen: its many small functions are inlined, and an appliance in a test takes half the time.
   set(KASUMI_WATCHED_COMPUTING calib estimator)
   add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)
@@ -41,12 +55,13 @@ endif()
 list(APPEND KASUMI_INSTRUMENTED -w)
 add_link_options(-fsanitize=${KASUMI_SANITIZE})
 
-# kasumi_instrumented(FOLDER RESULT): the options that files in this folder are compiled with; none where it is not watched.
+# kasumi_instrumented(FOLDER RESULT): the options that files in this folder are compiled with; none where it is not watched. FOLDER/solvers
+# are those of KASUMI_SOLVERS in it.
 function(kasumi_instrumented folder result)
   kasumi_is_under(${folder} "${KASUMI_NEVER_WATCHED};${KASUMI_NOT_WATCHED}" left_out)
   kasumi_is_under(${folder} "${KASUMI_WATCHED_COMPUTING}" computing)
   set(options ${KASUMI_INSTRUMENTED})
-  if(left_out)
+  if(left_out OR folder MATCHES "/solvers$")
     set(options)
   elseif(computing)
     list(APPEND options -O1)
