@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
+#include "report/status/diagnosis.hpp"
 #include "tests/places.hpp"
 #include "tests/report/told.hpp"
 
@@ -20,6 +21,9 @@ class StatusWatches : public testing::Test {
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
   }
+  ~StatusWatches() override {
+    std::filesystem::remove_all(folder);
+  }  // one of them is a file of 1 TB, most of it a hole
   const std::filesystem::path folder = test_output_folder() / "status-watch";
   const std::filesystem::path file = folder / "status.json";
   ManualClock clock{std::chrono::sys_days{std::chrono::year{2026} / 6 / 21}};
