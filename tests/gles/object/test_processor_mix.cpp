@@ -158,13 +158,13 @@ TEST_F(ProcessorMixesPictures, BehindAMaskWithLeavesAndPassers) {
 }
 
 TEST_F(ProcessorMixesPictures, SharpensAndRoundsAsTheCameraDoes) {
-  constexpr int kWide = 168, kTall = 120;
+  constexpr int kAcross = 168, kDown = 120;
   for (const auto subsampling : {ChromaSubsampling::s420, ChromaSubsampling::s422, ChromaSubsampling::s444}) {
-    const auto scene = scene_of(kWide, kTall);
+    const auto scene = scene_of(kAcross, kDown);
     const ObjectDetail detail{.point_spread_px = 0.6, .sharpening = 0.8, .jpeg_blocks = true};
     Renderer gpu = loaded_with(scene, Mixing::gpu, detail), processor = loaded_with(scene, Mixing::processor, detail);
-    const auto bytes = encode_jpeg(landscape(kWide, kTall), 85, subsampling).value();
-    const auto camera = decode_jpeg(bytes, kWide, kTall).value();
+    const auto bytes = encode_jpeg(landscape(kAcross, kDown), 85, subsampling).value();
+    const auto camera = decode_jpeg(bytes, kAcross, kDown).value();
     const auto steps = std::make_shared<const JpegSteps>(camera.steps);
     const auto both = drawn(gpu, processor, scene, camera.view, {}, steps);
     const auto off = difference(both.by_gpu, both.by_processor);
@@ -175,7 +175,7 @@ TEST_F(ProcessorMixesPictures, SharpensAndRoundsAsTheCameraDoes) {
     fmt::print("sharpened, in blocks: {:.3f} of 255 apart in the mean, {} at worst, {} values by more than one\n",
                off.mean, off.largest, far);
     EXPECT_LE(off.mean, 0.1);  // a coefficient that lies between two steps takes a whole block with it
-    EXPECT_LE(far, kWide * kTall / 50);
+    EXPECT_LE(far, kAcross * kDown / 50);
   }
 }
 
