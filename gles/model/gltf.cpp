@@ -1,6 +1,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include <glm/common.hpp>
 
 #include "gles/model/accessor.hpp"
 #include "gles/model/gltf_values.hpp"
@@ -24,6 +29,24 @@ bool marks_ground(const tinygltf::Node& node) {
   if (!node.extras.IsObject() || !node.extras.Has("kasumi")) return false;
   const tinygltf::Value& mark = node.extras.Get("kasumi");
   return mark.IsString() && mark.Get<std::string>() == "ground";
+}
+
+ModelBounds joined(const std::optional<ModelBounds>& a, const ModelBounds& b) {
+  return a ? ModelBounds{glm::min(a->lowest, b.lowest), glm::max(a->highest, b.highest)} : b;
+}
+
+std::optional<ModelBounds> box_of(std::span<const ModelPart> parts) {
+  std::optional<ModelBounds> box;
+  for (const ModelPart& part : parts)
+    for (const ModelVertex& vertex : part.vertices) box = joined(box, {vertex.position, vertex.position});
+  return box;
+}
+
+// What write_gltf.cpp keeps of a node whose meshes have been joined with others.
+std::optional<ModelBounds> written_box(const tinygltf::Node& node) {
+  const auto at = numbers(node.extras, "kasumi_box", std::vector<double>(6, HUGE_VAL));
+  const ModelBounds box{{at[0], at[1], at[2]}, {at[3], at[4], at[5]}};
+  return finite(box.lowest) && finite(box.highest) ? std::optional(box) : std::nullopt;
 }
 
 class SceneReader {
@@ -94,11 +117,14 @@ class SceneReader {
       int node;
       glm::dmat4 parent;
       bool ground;
+      std::size_t above;  // of `passed`, the node that this one hangs from
     };
     const auto shown = scene();
     if (!shown) return fail(shown.error());
     std::vector<Visit> open;
-    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false});
+    constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+    for (const int root : roots(*shown)) open.push_back({root, glm::dmat4{1.0}, false, kNone});
+    std::vector<Passed> passed;
     std::vector<bool> visited(gltf_.nodes.size());
     while (!open.empty()) {
       const Visit visit = open.back();
@@ -115,10 +141,35 @@ class SceneReader {
       const glm::dmat4 whole = visit.parent * *local;
       const bool ground = visit.ground || marks_ground(node);
       if (hidden(node)) continue;
-      if (auto read = read_node(node, whole, ground ? model_.ground : model_.parts, what); !read) return read;
-      for (const int child : node.children) open.push_back({child, whole, ground});
+      auto& into = ground ? model_.ground : model_.parts;
+      const std::size_t first = into.size();
+      if (auto read = read_node(node, whole, into, what); !read) return read;
+      passed.push_back({visit.node, visit.above,
+                        box_of({into.begin() + static_cast<std::ptrdiff_t>(first), into.end()}), glm::vec3(whole[3])});
+      for (const int child : node.children) open.push_back({child, whole, ground, passed.size() - 1});
     }
+    name_places(std::move(passed));
     return {};
+  }
+
+  struct Passed {
+    int node;
+    std::size_t above;
+    std::optional<ModelBounds> box;  // of its meshes; empty: it has none
+    glm::vec3 origin;
+  };
+
+  // A node comes before those that hang from it.
+  void name_places(std::vector<Passed> passed) {
+    for (std::size_t i = passed.size(); i-- > 0;)
+      if (const auto& box = passed[i].box; box && passed[i].above < passed.size())
+        passed[passed[i].above].box = joined(passed[passed[i].above].box, *box);
+    for (const Passed& place : passed) {
+      const tinygltf::Node& node = gltf_.nodes[static_cast<std::size_t>(place.node)];
+      if (node.name.empty() || !finite(place.origin)) continue;
+      model_.nodes.push_back(
+          {node.name, written_box(node).value_or(place.box.value_or(ModelBounds{place.origin, place.origin}))});
+    }
   }
 
   // With all that hangs from it (KHR_node_visibility).

@@ -86,6 +86,12 @@ struct ModelBounds {
   glm::vec3 highest{};
 };
 
+// A place with a name, for what is told of it.
+struct ModelNode {
+  std::string name;
+  ModelBounds bounds;  // of its meshes and those below it, model frame; without any both are its origin
+};
+
 struct Model {
   std::string name;
   std::vector<ModelPart> parts;
@@ -97,6 +103,7 @@ struct Model {
   std::vector<std::filesystem::path> files;  // it was read from these, its own first
   std::vector<std::string> scenes;           // names of all scenes in the file; "" where one has none
   std::vector<std::string> extensions;       // glTF's that it uses, sorted
+  std::vector<ModelNode> nodes;              // those of the scene that have a name
 
   // Bounds of the object, without its ground.
   std::size_t triangle_count() const;
@@ -118,7 +125,7 @@ struct ModelLimits {
 // meshopt, WebP and KTX2 are unpacked by a module (rare_models.hpp); AVIF is refused with advice. Skins and morph
 // targets stand as the file leaves them: joints where their nodes are, default weights. `scene`: one of the file's scenes by name, or by number
 // from 0; empty: the default one. Nodes whose name begins with "kasumi_ground" or whose extras say "kasumi": "ground"
-// become, with their children, the model's ground.
+// become, with their children, the model's ground. Extras "kasumi_box" (lowest and highest x y z) are a node's bounds.
 // Errors: bad_input, naming the file and what is wrong with it; io.
 Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& limits = {}, std::string_view scene = {});
 

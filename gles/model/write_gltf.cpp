@@ -48,6 +48,7 @@ class GltfWriter {
     if (scene.model) {
       add_node("object", scene.model->parts, *scene.model, written);
       add_node("kasumi_ground", scene.model->ground, *scene.model, written);
+      for (const ModelNode& node : scene.model->nodes) add_place(node, written);
     }
     file_["scenes"].push_back(std::move(written));
   }
@@ -77,8 +78,17 @@ class GltfWriter {
     json primitives = json::array();
     for (const ModelPart& part : parts) primitives.push_back(primitive(part, model));
     if (primitives.empty()) return;
-    file_["nodes"].push_back({{"name", name}, {"mesh", nodes_}});
+    file_["nodes"].push_back({{"name", name}, {"mesh", meshes_++}});
     file_["meshes"].push_back({{"name", name}, {"primitives", std::move(primitives)}});
+    scene["nodes"].push_back(nodes_++);
+  }
+
+  // Only where it is: its meshes are among the model's parts.
+  void add_place(const ModelNode& node, json& scene) {
+    const auto &low = node.bounds.lowest, &high = node.bounds.highest;
+    file_["nodes"].push_back({{"name", node.name},
+                              {"translation", listed(0.5f * (low + high))},
+                              {"extras", {{"kasumi_box", {low.x, low.y, low.z, high.x, high.y, high.z}}}}});
     scene["nodes"].push_back(nodes_++);
   }
 
@@ -230,7 +240,7 @@ class GltfWriter {
   std::vector<std::uint8_t> buffer_;
   std::vector<std::string> extensions_;
   std::map<int, std::size_t> materials_, textures_;  // from where they stood to where they stand
-  std::size_t nodes_ = 0, views_ = 0, accessors_ = 0;
+  std::size_t nodes_ = 0, meshes_ = 0, views_ = 0, accessors_ = 0;
 };
 
 }  // namespace

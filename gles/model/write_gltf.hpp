@@ -17,7 +17,7 @@ struct WrittenScene {
 
 // One self-contained file: a .glb, or with `text` a .gltf. All models are of one file, so with the same materials and
 // textures; `pictures`: the textures as PNG or JPEG files. `shown`: the default scene. read_gltf() gives the same models
-// but for materials and textures that nothing uses, and colours of vertices in 16 bits.
+// but for materials and textures that nothing uses, and colours of vertices in 16 bits. Nodes become places without meshes.
 std::vector<std::uint8_t> gltf_of(std::span<const WrittenScene> scenes, std::size_t shown,
                                   std::span<const std::vector<std::uint8_t>> pictures, bool text);
 

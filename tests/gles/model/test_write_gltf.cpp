@@ -84,6 +84,24 @@ void expect_same(const Model& was, const Model& is) {
   parts(was.ground, is.ground);
 }
 
+TEST(WriteGltf, PlacesKeepTheirNamesAndBoxes) {
+  Model model = loaded(read_gltf(source_folder() / "fixtures/temple.glb"));
+  ASSERT_EQ(model.nodes.size(), 2u);
+  const auto temple = std::ranges::find(model.nodes, "temple", &ModelNode::name);
+  ASSERT_NE(temple, model.nodes.end());
+  EXPECT_EQ(temple->bounds.lowest, model.bounds().lowest);
+  EXPECT_EQ(temple->bounds.highest, model.bounds().highest);
+  model.nodes = {{"gate", {{-2.0f, 0.25f, 1.0f}, {3.0f, 4.5f, 1.0f}}}};
+  for (const bool text : {false, true}) {
+    const Model read = written_and_read(model, text, "places");
+    const auto gate = std::ranges::find(read.nodes, "gate", &ModelNode::name);
+    ASSERT_NE(gate, read.nodes.end());
+    EXPECT_EQ(gate->bounds.lowest, model.nodes[0].bounds.lowest);
+    EXPECT_EQ(gate->bounds.highest, model.nodes[0].bounds.highest);
+    EXPECT_EQ(read.triangle_count(), model.triangle_count());
+  }
+}
+
 TEST(WriteGltf, OurBuildingsComeBackAsTheyWere) {
   for (const char* name : {"temple", "pagoda"}) {
     const auto model = loaded(read_gltf(source_folder() / "fixtures" / (std::string(name) + ".glb")));
