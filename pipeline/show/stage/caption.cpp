@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <glm/common.hpp>
-
 #include "pipeline/show/stage/text_layout.hpp"
+#include "pipeline/show/stage/text_plate.hpp"
 
 namespace kasumi {
 namespace {
@@ -15,25 +14,7 @@ constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;  // of any GPU's textures
 constexpr int kMostLines = 200;    // bounds time and memory, whatever a configuration says
 
-// A warm white on a cold black, as in print; the background keeps text readable before a bright sky.
-constexpr glm::dvec3 kTextColour{247, 246, 241};
-constexpr glm::dvec3 kBackground{17, 19, 23};
 constexpr double kBackgroundOpacity = 0.72;
-
-// Coverage of a pixel by the rounded rectangle that fills the picture, from its centre's distance to the edge.
-double inside_rounded(int x, int y, int width, int height, double radius) {
-  const double dx = std::max(std::abs(x + 0.5 - width / 2.0) - (width / 2.0 - radius), 0.0);
-  const double dy = std::max(std::abs(y + 0.5 - height / 2.0) - (height / 2.0 - radius), 0.0);
-  if (dx == 0.0 || dy == 0.0) return 1.0;
-  return std::clamp(radius - std::hypot(dx, dy) + 0.5, 0.0, 1.0);
-}
-
-Rgba8 text_over_background(double text, double background) {
-  const double opacity = text + background * (1.0 - text);
-  if (opacity <= 0.0) return {};
-  const glm::dvec3 colour = (kTextColour * text + kBackground * background * (1.0 - text)) / opacity;
-  return {glm::round(glm::dvec4(colour, 255.0 * opacity))};
-}
 
 // Around the text.
 struct Margins {
@@ -69,13 +50,7 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   const int height = static_cast<int>(std::ceil(layout->height() + 2.0 * margins.above));
   const auto coverage = layout->draw(width, height, margins.above);
   if (!coverage) return fail(coverage.error());
-  Image<Rgba8> picture(width, height);
-  const double radius = std::min({0.45 * layout->em_px(), 0.5 * width, 0.5 * height});
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      picture.at(x, y) = text_over_background(coverage->at(x, y) / 255.0,
-                                              kBackgroundOpacity * inside_rounded(x, y, width, height, radius));
-  return picture;
+  return text_plate(*coverage, kBackgroundOpacity, 0.45 * layout->em_px());
 }
 
 Result<std::vector<std::string>> caption_faults(const std::string& text, const CaptionStyle& style) {

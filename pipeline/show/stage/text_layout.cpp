@@ -46,6 +46,12 @@ namespace {
 
 using text_parts::Fonts;
 
+// Of a paragraph in one of these the base direction is theirs, though it may begin with a name in Latin letters.
+bool runs_leftwards(const std::string& language) {
+  constexpr std::string_view kCodes[]{"ar", "ckb", "dv", "fa", "he", "ps", "sd", "ug", "ur", "yi"};
+  return std::ranges::find(kCodes, language) != std::end(kCodes);
+}
+
 double px(int pango) {
   return static_cast<double>(pango) / PANGO_SCALE;
 }
@@ -180,6 +186,11 @@ Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& styl
   PangoLayout* layout = made.parts_->layout.get();
   pango_layout_set_font_description(layout, font.get());
   pango_layout_set_wrap(layout, PANGO_WRAP_WORD_CHAR);
+  made.from_the_start_ = style.from_the_start;
+  if (style.from_the_start && runs_leftwards(style.language)) {
+    pango_context_set_base_dir(context, PANGO_DIRECTION_RTL);
+    pango_layout_set_auto_dir(layout, FALSE);
+  }
   pango_layout_set_text(layout, made.text_.data(), static_cast<int>(made.text_.size()));
   made.balance(style.largest_width_px, style.most_lines);
   made.place_lines(style.line_px, style.most_lines);
@@ -227,22 +238,28 @@ void TextLayout::place_lines(double line_px, int most_lines) {
   double top = 0.0;
   for (int i = 0; i < pango_layout_get_line_count(layout); ++i) {
     PangoRectangle logical;
-    pango_layout_line_get_extents(pango_layout_get_line_readonly(layout, i), nullptr, &logical);
+    PangoLayoutLine* line = pango_layout_get_line_readonly(layout, i);
+    pango_layout_line_get_extents(line, nullptr, &logical);
+    const bool leftwards = pango_layout_line_get_resolved_direction(line) == PANGO_DIRECTION_RTL;
     const double tall = std::clamp(px(logical.height), line_px, kTallest * line_px);
-    lines_.push_back({i, px(logical.width), std::round(top + 0.5 * (tall - px(logical.height)) - px(logical.y))});
+    lines_.push_back(
+        {i, px(logical.width), std::round(top + 0.5 * (tall - px(logical.height)) - px(logical.y)), leftwards});
     width_ = std::max(width_, px(logical.width));
     top += tall;
   }
   height_ = top;
 }
 
-Result<Image<std::uint8_t>> TextLayout::draw(int width, int height, double top) const {
+Result<Image<std::uint8_t>> TextLayout::draw(int width, int height, double top, double side) const {
   using Surface = CPtr<cairo_surface_t, cairo_surface_destroy>;
   const Surface surface(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height));
   const CPtr<cairo_t, cairo_destroy> cairo(cairo_create(surface.get()));
   for (const Line& line : lines_) {
+    const double start = !from_the_start_ ? 0.5 * (width - line.width)
+                         : line.leftwards ? width - side - line.width
+                                          : side;
     cairo_new_path(cairo.get());
-    cairo_move_to(cairo.get(), std::round(0.5 * (width - line.width)), std::round(top + line.baseline));
+    cairo_move_to(cairo.get(), std::round(start), std::round(top + line.baseline));
     pango_cairo_layout_line_path(cairo.get(), pango_layout_get_line_readonly(parts_->layout.get(), line.number));
     cairo_fill(cairo.get());
   }

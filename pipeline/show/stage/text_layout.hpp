@@ -23,6 +23,7 @@ struct TextStyle {
   double line_px = 32.0;
   double largest_width_px = 1200.0;
   int most_lines = 8;
+  bool from_the_start = false;  // lines begin where their script does, left or right; else they are centred
 };
 
 class TextLayout {
@@ -34,8 +35,9 @@ class TextLayout {
   double width() const { return width_; }             // of the widest line, in pixels
   double height() const { return height_; }           // of all
   std::size_t left_out() const { return left_out_; }  // lines that were one too many
-  // Coverage, 0..255, of lines centred in the width, the first from `top` on. Errors: out of memory (device).
-  Result<Image<std::uint8_t>> draw(int width, int height, double top) const;
+  // Coverage, 0..255, the first line from `top` on; lines are centred in the width, or `side` from its edge. Errors: out of
+  // memory (device).
+  Result<Image<std::uint8_t>> draw(int width, int height, double top, double side = 0.0) const;
 
   struct Missing {
     std::string text, package;  // a word with letters that no font has; what brings one (empty: none)
@@ -50,6 +52,7 @@ class TextLayout {
   struct Line {
     int number = 0;
     double width = 0.0, baseline = 0.0;  // from the first line's top
+    bool leftwards = false;
   };
   explicit TextLayout(std::unique_ptr<Parts, CloseParts> parts) : parts_(std::move(parts)) {}
   void balance(double largest_px, int most_lines);
@@ -58,6 +61,7 @@ class TextLayout {
   std::unique_ptr<Parts, CloseParts> parts_;
   std::string text_;
   std::vector<Line> lines_;
+  bool from_the_start_ = false;
   double em_px_ = 0.0, width_ = 0.0, height_ = 0.0;
   std::size_t left_out_ = 0;
 };
