@@ -20,6 +20,7 @@
 #include "pipeline/machine/notifier.hpp"
 #include "pipeline/machine/state_folder.hpp"
 #include "pipeline/show/stage/stage_making.hpp"
+#include "pipeline/show/stage/stories_on_glass.hpp"
 #include "pipeline/show/stage/words_on_glass.hpp"
 #include "pipeline/site/config/sighting.hpp"
 
@@ -85,6 +86,7 @@ Result<int> check(const RunArguments& arguments) {
   if (!content) return refused(content.error());
   log_sighting(**content);
   for (const auto& fault : words_that_cannot_be_read((*content)->config)) fmt::print("{}\n", fault);
+  for (const auto& fault : stories_that_cannot_be_seen(**content)) fmt::print("{}\n", fault);
   if (const auto& folder = (*content)->config.state_folder) {
     const auto remark = try_state_folder(*folder);
     if (!remark) {

@@ -45,6 +45,17 @@ struct ShownModel {
   const Model& first() const { return *scenes.front().model; }
 };
 
+// The places that stories name; a model's other nodes are not written.
+std::vector<ModelNode> nodes_of_stories(const Model& model, const VisitorContent* visitor) {
+  std::vector<ModelNode> nodes;
+  if (visitor)
+    for (const Story& story : visitor->stories)
+      if (const auto at = place_of(story, model);
+          at && !story.node.empty() && std::ranges::find(nodes, story.node, &ModelNode::name) == nodes.end())
+        nodes.push_back({story.node, *at});
+  return nodes;
+}
+
 std::vector<ShownModel> models_of(const Content& content) {
   std::vector<ShownModel> models;
   const auto add = [&](const fs::path& file, const std::string& scene, const std::shared_ptr<const Model>& model) {
@@ -130,8 +141,12 @@ struct Candidate {
 
 class ModelReducer {
  public:
-  ModelReducer(const Installation& installation, const ShownModel& shown, fs::path file, double most_loss)
-      : installation_(installation), shown_(shown), file_(std::move(file)), most_loss_(most_loss) {}
+  ModelReducer(const Content& content, const ShownModel& shown, fs::path file, double most_loss)
+      : installation_(content.config.installation),
+        visitor_(content.visitor.get()),
+        shown_(shown),
+        file_(std::move(file)),
+        most_loss_(most_loss) {}
 
   // Empty: the model stays as it is, and line() says why.
   Result<std::optional<ShownModel>> reduce() {
@@ -199,7 +214,10 @@ class ModelReducer {
   // Written, and read as the kiosk reads it.
   Result<Candidate> candidate(const PixelCoarseness& coarseness) {
     std::vector<Model> scenes;
-    for (const auto& scene : shown_.scenes) scenes.push_back(*scene.model);
+    for (const auto& scene : shown_.scenes) {
+      scenes.push_back(*scene.model);
+      scenes.back().nodes = nodes_of_stories(*scene.model, visitor_);
+    }
     auto coarse =
         coarser(std::move(scenes), {coarseness.error * pixel_, coarseness.relief * pixel_, coarseness.texel * pixel_});
     if (!coarse) return fail(coarse.error());
@@ -233,6 +251,7 @@ class ModelReducer {
   }
 
   const Installation& installation_;
+  const VisitorContent* visitor_;
   const ShownModel& shown_;
   fs::path file_;
   double most_loss_;
@@ -268,7 +287,7 @@ Result<ModelReduction> reduce_models(const ContentPtr& content, const fs::path& 
   for (const auto& shown : models_of(*content)) {
     const auto& files = shown.first().files;
     const auto file = workplace / fmt::format("{}-{}", reduction.instead.size(), shown.file.filename().string());
-    ModelReducer reducer(content->config.installation, shown, file, most_loss);
+    ModelReducer reducer(*content, shown, file, most_loss);
     auto reduced = size_of(shown).too_large() ? reducer.reduce() : Result<std::optional<ShownModel>>(std::nullopt);
     if (!reduced) return fail(reduced.error());
     if (!reducer.line().empty()) reduction.lines.push_back(reducer.line());

@@ -12,6 +12,7 @@
 #include "pipeline/kiosk/content/signature.hpp"
 #include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/show/stage/stage_making.hpp"
+#include "pipeline/show/stage/stories_on_glass.hpp"
 #include "pipeline/show/stage/words_on_glass.hpp"
 #include "pipeline/site/config/content.hpp"
 
@@ -153,6 +154,7 @@ Result<Packed> pack(const PackRequest& request) {
   if (auto usable = try_cameras((*content)->config, *machine_devices(clock), clock, packed.remarks); !usable)
     return fail(usable.error());
   for (auto& fault : words_that_cannot_be_read((*content)->config)) packed.remarks.push_back(std::move(fault));
+  for (auto& fault : stories_that_cannot_be_seen(**content)) packed.remarks.push_back(std::move(fault));
   const auto text = manifest_text(manifest);
   if (auto readable = parse_manifest(text); !readable) return fail(readable.error());
   if (auto drawable = check_drawable(reduction->content, packed); !drawable) return fail(drawable.error());

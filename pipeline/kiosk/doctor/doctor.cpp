@@ -13,6 +13,7 @@
 #include "pipeline/kiosk/content/bundle.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/machine/time_watch.hpp"
+#include "pipeline/show/stage/stories_on_glass.hpp"
 #include "pipeline/show/stage/words_on_glass.hpp"
 
 namespace kasumi {
@@ -53,6 +54,18 @@ void check_words(const RunConfig& config, Findings& findings) {
   std::string found = faults.front();
   for (std::size_t i = 1; i < faults.size(); ++i) found += "\n" + faults[i];
   findings.warn("content.words", found, "install the package, or name a font: [words] font_file");
+}
+
+void check_stories(const Content& content, Findings& findings) {
+  if (!content.visitor) return;
+  const auto faults = stories_that_cannot_be_seen(content);
+  const auto& visitor = *content.visitor;
+  auto& finding = faults.empty()
+                      ? findings.good("content.stories", fmt::format("{} in {} languages", visitor.stories.size(),
+                                                                     visitor.languages.size()))
+                      : findings.warn("content.stories", fmt::format("{}", fmt::join(faults, "\n")),
+                                      "correct the keys named; docs/content.md says what they mean");
+  finding.values["stories"] = static_cast<double>(visitor.stories.size());
 }
 
 // What lies on the disk; what becomes of it on the screen is the running appliance's to say.
@@ -201,6 +214,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     if (config.visitor) check_visitor(*config.visitor, devices, findings);
     check_content(**content, findings);
     check_words(config, findings);
+    check_stories(**content, findings);
     check_generation(request.generations, findings);
     const auto& installation = config.installation;
     check_calibration("scene_camera", installation.scene, installation, clock.utc(), findings);

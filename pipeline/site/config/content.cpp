@@ -122,6 +122,22 @@ EraContent read_shown(const RunConfig& config, const Era* era, const ConfigTable
   return made;
 }
 
+std::vector<ModelInEra> in_eras(const std::vector<Era>& eras, const std::vector<EraContent>& shown) {
+  std::vector<ModelInEra> models;
+  for (std::size_t i = 0; i < shown.size(); ++i)
+    models.push_back({i < eras.size() ? eras[i].name : std::string(), shown[i].model.get()});
+  return models;
+}
+
+std::shared_ptr<const VisitorContent> read_visitor(const RunConfig& config, const std::vector<EraContent>& eras,
+                                                   const ConfigTable& root) {
+  if (!config.visitor_content || !is_there(*config.visitor_content)) return nullptr;
+  auto visitor = read_visitor_content(*config.visitor_content, in_eras(config.eras, eras));
+  if (visitor) return std::make_shared<const VisitorContent>(std::move(*visitor));
+  root.problem("content", fmt::format("content that can be read:\n{}", visitor.error().message));
+  return nullptr;
+}
+
 void show(Content& content, const EraContent& era) {
   content.config.installation.object.model = era.model_file;
   content.config.installation.object.scene = era.scene;
@@ -153,6 +169,7 @@ Result<ContentPtr> read_all(const std::filesystem::path& config_file, const std:
     for (std::size_t i = 0; i < listed.size(); ++i)
       eras.push_back(read_shown(content->config, &listed[i], *root, tables[i], files));
   }
+  content->visitor = read_visitor(content->config, eras, *root);
   if (auto whole = root->finish(); !whole)
     return fail(Fault{disk_failed(*root) ? FaultKind::io : FaultKind::bad_input, whole.error().message});
   content->files = files_of(config_file, *root, eras);
@@ -203,6 +220,10 @@ ContentPtr in_its_era(const ContentPtr& content, Utc now, std::size_t further) {
   const auto of_the_day = era_at(config.eras, config.opening.time_zone, now);
   if (!of_the_day) return in_era(content, content->era);
   return in_era(content, (*of_the_day + further) % content->eras->size());
+}
+
+std::vector<ModelInEra> shown_models(const Content& content) {
+  return content.eras ? in_eras(content.config.eras, *content.eras) : std::vector{ModelInEra{"", content.model.get()}};
 }
 
 std::vector<ContentPtr> all_eras(const ContentPtr& content) {

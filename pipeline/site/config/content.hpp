@@ -11,6 +11,7 @@
 #include "gles/model/model.hpp"
 #include "gles/picture/flat_picture.hpp"
 #include "pipeline/site/config/run_config.hpp"
+#include "pipeline/site/config/visitor_content.hpp"
 
 namespace kasumi {
 
@@ -46,6 +47,7 @@ struct Content {
   std::shared_ptr<const Image<Rgba8>> still;  // the curated picture; where it is transparent, the sky of the day shows
   std::shared_ptr<const std::vector<EraContent>> eras;  // as in config.eras; null: there are none
   std::size_t era = 0;                                  // of them, the one that this is
+  std::shared_ptr<const VisitorContent> visitor;        // null: there is none
   std::vector<ContentFile> files;                       // the configuration first, then all that it names
   std::optional<InsteadOfConfigured> instead;           // empty: this is what is configured
 };
@@ -66,6 +68,8 @@ Result<ContentPtr> read_content_within(std::chrono::nanoseconds longest, const s
 // The same content as it is shown at that time: itself while nothing changes. `further`: so many eras after that one, and
 // on from the first after the last. Thread-safe, and quick.
 ContentPtr in_its_era(const ContentPtr& content, Utc now, std::size_t further = 0);
+// Every model that is shown, with its era. They belong to the content.
+std::vector<ModelInEra> shown_models(const Content& content);
 // One for each era, so that all can be tried; without eras the content itself.
 std::vector<ContentPtr> all_eras(const ContentPtr& content);
 // What the reader left out of the models of all eras, each once, for the terminal.

@@ -280,6 +280,7 @@ RunConfig read_run_config(const ConfigTable& root) {
     return from_seconds(60.0 * table.number("wake_before_min", {0.0, 240.0}, 0.0));
   });
   config.eras = read_eras(root, config.opening);
+  config.visitor_content = root.optional_file("content");
   config.check = section(root, "check", [&](const ConfigTable& table) { return read_check(table, config.opening); });
   config.ladder = section(root, "ladder", read_ladder);
   config.heat = section(root, "heat", read_heat);

@@ -75,6 +75,7 @@ struct RunConfig {
   HeatOptions heat;
   std::optional<VisitorOptions> visitor;  // empty: visitors choose nothing
   std::optional<std::filesystem::path> state_folder;
+  std::optional<std::filesystem::path> visitor_content;  // content.toml; content.hpp reads it
 };
 
 // [display], [still] and [words] alone: what a screen needs to show anything.

@@ -85,7 +85,7 @@ bool is_covered(const Installation& installation, const Span& span, double neare
 
 }  // namespace
 
-Sighting sight_object(const Installation& installation, const ModelBounds& bounds) {
+Sighting sight_object(const Installation& installation, const ModelBounds& bounds, std::string_view what) {
   const Camera& scene = installation.scene;
   const auto corners = corners_of(installation, bounds);
   glm::dvec3 centre{0.0};
@@ -115,35 +115,35 @@ Sighting sight_object(const Installation& installation, const ModelBounds& bound
     return sighting;
   };
   if (before == 0)
-    return result(Verdict::behind,
-                  fmt::format("the building is behind the scene camera: {}; the camera looks to {:.1f} "
-                              "deg (object's place, or scene.heading_deg)",
-                              place, to_degrees(azimuth_angle(scene.to_world[2]))));
+    return result(Verdict::behind, fmt::format("{} is behind the scene camera: {}; the camera looks to {:.1f} "
+                                               "deg (object's place, or scene.heading_deg)",
+                                               what, place, to_degrees(azimuth_angle(scene.to_world[2]))));
   const double right = scene.width - 0.5, bottom = scene.height - 0.5;
   const bool beside_picture = projected == 0 || span.greatest.x < -0.5 || span.greatest.y < -0.5 ||
                               span.least.x > right || span.least.y > bottom;
   if (beside_picture)
     return result(Verdict::outside,
-                  fmt::format("the building is outside the picture: {}, {}", place, offset_text(scene, centre)));
+                  fmt::format("{} is outside the picture: {}, {}", what, place, offset_text(scene, centre)));
 
   // At the place, the tangent plane lies d^2 / 2R above the earth, so the sea is that much farther below.
   const double above_sea_m = installation.site.altitude_m + highest_m + distance * distance / (2.0 * kEarthRadius_m);
   const double hidden_m = hidden_by_the_sea_m(installation.site.altitude_m, distance);
   if (above_sea_m < hidden_m)
-    return result(Verdict::below_horizon,
-                  fmt::format("the building is below the horizon: {}, its top is {:.0f} m above the "
-                              "sea, and everything below {:.0f} m is hidden there",
-                              place, above_sea_m, hidden_m));
+    return result(Verdict::below_horizon, fmt::format("{} is below the horizon: {}, its top is {:.0f} m above the "
+                                                      "sea, and everything below {:.0f} m is hidden there",
+                                                      what, place, above_sea_m, hidden_m));
   if (is_covered(installation, span, nearest_m))
     return result(Verdict::behind_the_mask,
-                  fmt::format("the building is hidden: {}, completely behind what scene.mask{} covers", place,
+                  fmt::format("{} is hidden: {}, completely behind what scene.mask{} covers", what, place,
                               installation.scene_distances_m.empty() ? "" : " or scene.depth_map"));
 
+  sighting.least_px = span.least;
+  sighting.greatest_px = span.greatest;
   const glm::dvec2 size = span.greatest - span.least;
   const bool cut = projected < 8 || span.least.x < -0.5 || span.least.y < -0.5 || span.greatest.x > right ||
                    span.greatest.y > bottom;
   return result(cut ? Verdict::cut_off : Verdict::visible,
-                fmt::format("the building is in the picture{}: {}, {:.0f} x {:.0f} pixels at ({:.0f}, {:.0f})",
+                fmt::format("{} is in the picture{}: {}, {:.0f} x {:.0f} pixels at ({:.0f}, {:.0f})", what,
                             cut ? ", cut by its edge" : "", place, size.x, size.y,
                             0.5 * (span.least.x + span.greatest.x), 0.5 * (span.least.y + span.greatest.y)));
 }

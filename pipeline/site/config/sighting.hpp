@@ -4,6 +4,9 @@
 
 #include <string>
 
+#include <string_view>
+
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "gles/model/model.hpp"
@@ -22,11 +25,14 @@ struct Sighting {
   };
   Verdict verdict = Verdict::visible;
   double distance_m = 0.0;
+  // What its box covers, where it is in the picture: centres of the outermost pixels, which may lie outside.
+  glm::dvec2 least_px{}, greatest_px{};
   std::string message;  // "the building is in the picture: 3.50 km away at azimuth 5.0 deg, 61 x 38 pixels"
   bool in_picture() const { return verdict == Verdict::visible || verdict == Verdict::cut_off; }
 };
 
-// For the model's bounding box at its place.
-Sighting sight_object(const Installation& installation, const ModelBounds& bounds);
+// For the model's bounding box at its place, or that of a part of it. `what`: its name in the message.
+Sighting sight_object(const Installation& installation, const ModelBounds& bounds,
+                      std::string_view what = "the building");
 
 }  // namespace kasumi

@@ -19,6 +19,7 @@
 #include "pipeline/install/calibration_report/scene_sights.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/config/run_config.hpp"
+#include "pipeline/site/config/visitor_content.hpp"
 #include "report/report_config.hpp"
 #include "tests/house/document_code.hpp"
 #include "tests/pipeline/kiosk/operating/kiosk.hpp"
@@ -130,6 +131,13 @@ std::vector<Reader> all_readers() {
   add("landmarks.toml", {},
       [](const std::filesystem::path& file) { return outcome_of(read_scene_sights(file, CalibratedScene{})); });
   add("strokes.toml", {}, [](const std::filesystem::path& file) { return outcome_of(read_strokes(file, 1280, 720)); });
+  add("content.toml",
+      toml::parse("languages = [\"en\"]\n[[era]]\nname = \"summer\"\ntitle.en = \"a\"\ntext.en = \"b\"\n"
+                  "[[story]]\nname = \"a\"\nplace_m = [1, 2, 3]\ntitle.en = \"a\"\ntext.en = \"b\"\n"),
+      [](const std::filesystem::path& file) {
+        static const Model unread;
+        return outcome_of(read_visitor_content(file, {{"summer", &unread}}));
+      });
   add("planes.toml", {}, [](const std::filesystem::path& file) { return outcome_of(read_scene_planes(file)); });
   return readers;
 }
