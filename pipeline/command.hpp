@@ -30,6 +30,7 @@ void add_content_command(CLI::App& app, Action& action);
 void add_record_command(CLI::App& app, Action& action);
 void add_snapshot_command(CLI::App& app, Action& action);
 void add_doctor_command(CLI::App& app, Action& action);
+void add_rehearse_command(CLI::App& app, Action& action);
 void add_history_command(CLI::App& app, Action& action);
 
 }  // namespace kasumi

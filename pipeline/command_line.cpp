@@ -19,6 +19,7 @@ std::unique_ptr<CLI::App> command_line(Action& action) {
   add_snapshot_command(*app, action);
   add_doctor_command(*app, action);
   add_look_command(*app, action);
+  add_rehearse_command(*app, action);
   add_history_command(*app, action);
   add_replay_command(*app, action);
   add_estimate_command(*app, action);

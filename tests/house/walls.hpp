@@ -86,6 +86,7 @@ inline const Walls kMayInclude = {
     {"pipeline/lab/photographs", {"pipeline/lab/archive"}},
     {"pipeline/lab/prove", {"pipeline/lab/photographs"}},
     {"pipeline/lab/recording", {}},
+    {"pipeline/lab/rehearse", {}},
     {"pipeline/lab/sky", {}},
     {"pipeline/install", {"pipeline", "pipeline/lab", "pipeline/machine", "pipeline/site"}},
     {"pipeline/install/calibrate", {"pipeline/install/calibration_report", "pipeline/install/camera_drift"}},

@@ -10,9 +10,7 @@
 
 namespace kasumi {
 
-namespace {
-
-Frame frame_of(const Image<Rgb8>& picture) {
+Frame rgb_frame(const Image<Rgb8>& picture) {
   Frame frame;
   frame.metadata.format = four_cc("RGB3");
   frame.metadata.width = picture.width();
@@ -25,8 +23,6 @@ Frame frame_of(const Image<Rgb8>& picture) {
   return frame;
 }
 
-}  // namespace
-
 SkyReport clear_day(const Direction& sun) {
   SkyReport report;
   report.sun.source = SunSource::ephemeris;
@@ -35,11 +31,11 @@ SkyReport clear_day(const Direction& sun) {
   return report;
 }
 
-Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky) {
+Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky, const std::optional<Turbidity>& air) {
   constexpr double kHorizon = 0.34, kLand = 0.3;  // green, linear; of the horizon's light
   const glm::dvec3 grass{0.8, 1.0, 0.5};
   const Camera& camera = installation.scene;
-  const auto conditions = SceneAir(installation, {}).conditions(sky);
+  const auto conditions = SceneAir(installation, {.turbidity = air}).conditions(sky);
   const auto& around = installation.surroundings;
   const Daylight daylight(
       camera, conditions.air, conditions.sun,
@@ -70,7 +66,7 @@ Result<std::vector<Image<Rgb8>>> drawn_over(GlContext& context, const Installati
     if (!compositor) return fail(compositor.error());
     auto target = Offscreen::create(context.info(), installation.scene.width, installation.scene.height);
     if (!target) return fail(target.error());
-    if (auto drawn = compositor->draw(frame_of(behind), sky, target->target()); !drawn) return fail(drawn.error());
+    if (auto drawn = compositor->draw(rgb_frame(behind), sky, target->target()); !drawn) return fail(drawn.error());
     auto picture = target->read();
     if (!picture) return fail(picture.error());
     pictures.push_back(std::move(*picture));

@@ -1,6 +1,7 @@
 // An ordinary clear day over plain land, without a camera's pictures: what models are drawn over on the desk.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/geometry.hpp"
@@ -15,8 +16,12 @@ inline constexpr Direction kAfternoon{-0.5, -0.65, 0.6};  // where the sun is, o
 SkyReport clear_day(const Direction& sun);
 
 // The sky that lights the model, over plain land, as the scene camera encodes it: another sky's colours would be taken
-// for the camera's white balance.
-Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky);
+// for the camera's white balance. `air`: instead of an ordinary day's.
+Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky,
+                     const std::optional<Turbidity>& air = std::nullopt);
+
+// A camera's picture as it sends it.
+Frame rgb_frame(const Image<Rgb8>& picture);
 
 // The scene camera's pictures of the model at its place, one for each day. Errors: bad_input (the model), device.
 struct ClearDay {
