@@ -5,7 +5,7 @@
 
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
-#include "pipeline/machine/input_device.hpp"
+#include "pipeline/machine/input/input_device.hpp"
 #include "pipeline/machine/television.hpp"
 #include "pipeline/site/config/run_config.hpp"
 

@@ -11,7 +11,7 @@
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
 #include "pipeline/kiosk/start/start_log.hpp"
-#include "pipeline/kiosk/start/visitor_presses.hpp"
+#include "pipeline/kiosk/visitor/visitor_presses.hpp"
 #include "pipeline/machine/notifier.hpp"
 
 namespace kasumi {

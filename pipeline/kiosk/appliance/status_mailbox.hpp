@@ -1,7 +1,6 @@
 // What the other loops report to the status loop.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,7 +13,7 @@
 #include "pipeline/kiosk/content/probation.hpp"
 #include "pipeline/kiosk/loop/latency.hpp"
 #include "pipeline/kiosk/loop/television_switch.hpp"
-#include "pipeline/machine/input_reader.hpp"
+#include "pipeline/kiosk/visitor/visitor_desk.hpp"
 #include "pipeline/site/config/ladder.hpp"
 
 namespace kasumi {
@@ -35,13 +34,6 @@ struct PassersStatus {
   PassersState state = PassersState::learning;
   double known_share = 0.0, covered_share = 0.0;  // of the building's surroundings
   Duration until_watching{};                      // at least, while learning
-};
-
-// What visitors' hands do; only how often each key was pressed is counted.
-struct VisitorStatus {
-  std::vector<InputDeviceState> devices;
-  std::array<std::uint64_t, kHandKeys> presses{};  // since the start
-  bool idle = true;
 };
 
 struct RenderStatus {

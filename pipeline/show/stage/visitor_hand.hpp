@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "base/clock.hpp"
-#include "pipeline/site/config/hand_event.hpp"
+#include "pipeline/site/visitor/hand_event.hpp"
 
 namespace kasumi {
 

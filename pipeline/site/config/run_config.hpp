@@ -18,7 +18,7 @@
 #include "pipeline/site/config/messages.hpp"
 #include "pipeline/site/config/opening_hours.hpp"
 #include "pipeline/site/config/time_trust.hpp"
-#include "pipeline/site/config/visitor_options.hpp"
+#include "pipeline/site/visitor/visitor_options.hpp"
 
 namespace kasumi {
 

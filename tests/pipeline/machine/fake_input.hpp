@@ -12,7 +12,7 @@
 
 #include <sys/ioctl.h>
 
-#include "pipeline/machine/input_device.hpp"
+#include "pipeline/machine/input/input_device.hpp"
 
 namespace kasumi {
 

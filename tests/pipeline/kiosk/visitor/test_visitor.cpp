@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "pipeline/kiosk/start/visitor_presses.hpp"
+#include "pipeline/kiosk/visitor/visitor_presses.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/places.hpp"

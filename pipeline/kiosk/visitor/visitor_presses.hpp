@@ -8,7 +8,7 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "pipeline/site/config/hand_event.hpp"
+#include "pipeline/site/visitor/hand_event.hpp"
 
 namespace kasumi {
 

@@ -1,16 +1,25 @@
 // What visitors choose, where [visitor] allows it: their devices read, their hand followed, and what is to be seen of it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "pipeline/kiosk/appliance/status_mailbox.hpp"
 #include "pipeline/machine/devices.hpp"
-#include "pipeline/machine/input_reader.hpp"
+#include "pipeline/machine/input/input_reader.hpp"
 #include "pipeline/show/stage/stage.hpp"
 #include "pipeline/show/stage/visitor_hand.hpp"
 
 namespace kasumi {
+
+// What visitors' hands do; only how often each key was pressed is counted.
+struct VisitorStatus {
+  std::vector<InputDeviceState> devices;
+  std::array<std::uint64_t, kHandKeys> presses{};  // since the start
+  bool idle = true;
+};
 
 // Belongs to the main thread. Without [visitor] it opens nothing and changes nothing.
 class VisitorDesk {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "pipeline/machine/input_device.hpp"
-#include "pipeline/site/config/visitor_options.hpp"
+#include "pipeline/machine/input/input_device.hpp"
+#include "pipeline/site/visitor/visitor_options.hpp"
 
 namespace kasumi {
 

@@ -1,5 +1,5 @@
 // Presses by hour: added up, kept for 13 months, and read from whatever is in the file.
-#include "pipeline/kiosk/start/visitor_presses.hpp"
+#include "pipeline/kiosk/visitor/visitor_presses.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Buttons, knobs and touch screens: what is passed on of what a device sends, and what one can cost.
-#include "pipeline/machine/input_reader.hpp"
+#include "pipeline/machine/input/input_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "pipeline/kiosk/start/visitor_presses.hpp"
+#include "pipeline/kiosk/visitor/visitor_presses.hpp"
 
 #include <charconv>
 

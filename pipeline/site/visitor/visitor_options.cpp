@@ -1,4 +1,4 @@
-#include "pipeline/site/config/visitor_options.hpp"
+#include "pipeline/site/visitor/visitor_options.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -1,5 +1,5 @@
 // [visitor]: what is read of it, and one message for each mistake.
-#include "pipeline/site/config/visitor_options.hpp"
+#include "pipeline/site/visitor/visitor_options.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

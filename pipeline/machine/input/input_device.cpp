@@ -1,4 +1,4 @@
-#include "pipeline/machine/input_device.hpp"
+#include "pipeline/machine/input/input_device.hpp"
 
 #include <fcntl.h>
 #include <sys/ioctl.h>

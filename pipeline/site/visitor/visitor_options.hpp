@@ -9,7 +9,7 @@
 #include "base/clock.hpp"
 #include "base/table/config_table.hpp"
 #include "base/words/language.hpp"
-#include "pipeline/site/config/hand_event.hpp"
+#include "pipeline/site/visitor/hand_event.hpp"
 
 namespace kasumi {
 

@@ -1,4 +1,4 @@
-#include "pipeline/kiosk/appliance/visitor_desk.hpp"
+#include "pipeline/kiosk/visitor/visitor_desk.hpp"
 
 #include <algorithm>
 
