@@ -154,6 +154,7 @@ class Rehearsal {
 Result<int> rehearse(const RehearseArguments& arguments) {
   const auto what = rehearsed(arguments.kiosk);
   if (!what) return fail(what.error());
+  for (const auto& note : model_notes(*what->content)) fmt::print("{}\n", note);
   std::error_code error;
   fs::create_directories(arguments.out, error);
   if (error) return fail(FaultKind::io, "--out {}: {}", arguments.out, error.message());

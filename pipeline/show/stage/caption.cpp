@@ -14,7 +14,7 @@ constexpr double kMinHeight = 6.0, kMostHeight = 512.0;
 constexpr int kMostWidth = 16384;  // of any GPU's textures
 constexpr int kMostLines = 200;    // bounds time and memory, whatever a configuration says
 
-constexpr double kBackgroundOpacity = 0.72;
+constexpr double kBackgroundOpacity = 0.72;  // the picture behind is still seen
 
 // Around the text.
 struct Margins {

@@ -9,13 +9,13 @@
 namespace kasumi {
 namespace {
 
-constexpr double kPanelOpacity = 0.9;  // a white sky behind leaves a contrast of 13
-constexpr double kTitleOverText = 1.25;
+constexpr double kPanelOpacity = 0.9;                         // a white sky behind leaves a contrast of 13
+constexpr double kTitleOverText = 1.25;                       // as a heading in print
 constexpr double kMostWidth_em = 34.0, kLeastWidth_em = 9.0;  // of the panel: lines of 60 letters read best
-constexpr int kMostTitleLines = 2;
-constexpr double kSmaller[]{1.0, 0.85, 0.7};
-constexpr int kLeastScreen_px = 64, kMostScreen_px = 16384;
-constexpr double kLeastLine_px = 14.0;
+constexpr int kMostTitleLines = 2;                            // a longer one is a text
+constexpr double kSmaller[]{1.0, 0.85, 0.7};  // tried in turn; smaller ones are not read from where visitors stand
+constexpr int kLeastScreen_px = 64, kMostScreen_px = 16384;  // of any GPU's textures
+constexpr double kLeastLine_px = 14.0;                       // below, letters of many scripts are no shapes
 
 struct Room {
   double left, top, right, bottom;

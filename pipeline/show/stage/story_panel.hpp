@@ -38,7 +38,7 @@ struct StoryPanel {
 
 constexpr double kPanelContrast = 7.0;  // at least, of letters to what is behind, before any picture (WCAG 2.2, 1.4.6)
 constexpr int kMostPanelLines = 8;      // of the text
-constexpr std::size_t kMostPanelBytes = 10'000;
+constexpr std::size_t kMostPanelBytes = 10'000;  // bounds the time to lay it out
 
 // On the side of the building that the reader's hand leaves free, else on the other, below or above it: the first of them
 // that holds all of the text. Where none does, letters get smaller by up to a third; then lines are left out.

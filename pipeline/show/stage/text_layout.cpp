@@ -48,6 +48,7 @@ using text_parts::Fonts;
 
 // Of a paragraph in one of these the base direction is theirs, though it may begin with a name in Latin letters.
 bool runs_leftwards(const std::string& language) {
+  // Of ISO 639: languages in Arabic, Hebrew and Thaana letters.
   constexpr std::string_view kCodes[]{"ar", "ckb", "dv", "fa", "he", "ps", "sd", "ug", "ur", "yi"};
   return std::ranges::find(kCodes, language) != std::end(kCodes);
 }
