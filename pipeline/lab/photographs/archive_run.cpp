@@ -29,7 +29,10 @@ Result<> refuse_beside_out(const EstimateArguments& arguments) {
 Result<std::string> options_fingerprint(const EstimateArguments& arguments) {
   Fingerprint fingerprint;
   fingerprint.add(arguments.given_words);
-  for (const auto& file : {arguments.calibration, arguments.camera_memory}) {
+  std::vector<std::string> files{arguments.calibration, arguments.camera_memory};
+  if (const auto periods = CameraPeriods::read(arguments.cameras))
+    for (std::size_t i = 0; i < periods->size(); ++i) files.push_back(periods->file(i));
+  for (const auto& file : files) {
     const auto text = file.empty() ? Result<std::string>() : read_text_file(file);
     if (!text) return fail(text.error());
     fingerprint.add(*text);

@@ -22,6 +22,7 @@
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/ordered_jobs.hpp"
 #include "pipeline/machine/progress.hpp"
+#include "pipeline/site/files/archive_members.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 
 namespace kasumi {
@@ -47,7 +48,9 @@ std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibil
 std::filesystem::path plot_path(const EstimateArguments& arguments, const std::filesystem::path& image) {
   auto name = image.filename();
   name += ".fit.png";
-  return (arguments.plot_dir.empty() ? image.parent_path() : std::filesystem::path(arguments.plot_dir)) / name;
+  const auto member = archive_member(image);
+  const auto folder = (member ? member->archive : image).parent_path();
+  return (arguments.plot_dir.empty() ? folder : std::filesystem::path(arguments.plot_dir)) / name;
 }
 
 struct Answer {

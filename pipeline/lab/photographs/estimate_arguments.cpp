@@ -83,6 +83,7 @@ SkyToFit chosen_sky(const EstimateArguments& arguments, double altitude_m, Probl
 void refuse_for_scans(const EstimateArguments& arguments, Problems& problems) {
   if (!arguments.images.empty() || !arguments.scenes.empty())
     problems.add("--scan: stands instead of pictures, expected none beside it");
+  if (!arguments.cameras.empty()) problems.add("--camera: is for pictures, not for --scan");
   if (arguments.sun_from_image)
     problems.add("--sun-from-image: a scan is no picture, expected the sun's angles or a time");
   if (arguments.method == "reference-pixel") problems.add("--method reference-pixel: is for pictures, not for --scan");
@@ -172,13 +173,17 @@ Result<SkyPhotographOptions> sky_photograph_options(const EstimateArguments& arg
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
   auto& a = arguments;
-  command.add_option("image", a.images,
-                     "Pictures of the sky; folders (their pictures by name); recordings (folders with fixture.toml: "
-                     "their times, camera "
-                     "and site); @FILE or -: a list in a file or on standard input, one path a line, with a tab and "
-                     "its UTC where known; "
-                     "patterns in quotes, like 'DIR/*.jpg'. Default: -");
-  command.add_option("--list", a.lists, "A list of pictures, as @FILE")->type_name("FILE")->allow_extra_args(false);
+  command.add_option(
+      "image", a.images,
+      "Pictures of the sky; folders (their pictures by name); tar and zip files (theirs, in order; one alone as "
+      "FILE.tar:NAME); recordings (folders with fixture.toml: "
+      "their times, camera "
+      "and site); @FILE or -: a list in a file or on standard input, one path a line, with a tab and "
+      "its UTC where known; "
+      "patterns in quotes, like 'DIR/*.jpg'. Default: -");
+  command.add_option("--list", a.lists, "A list of pictures, as @FILE; - is standard input")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   auto* scene = command.add_option(
       "--scene", a.scenes,
       "Pictures of the scene camera, or a folder: visibility from --landmarks; alone or one for each of the sky");
@@ -208,6 +213,12 @@ void add_estimate_options(CLI::App& command, EstimateArguments& arguments) {
       ->needs(part);
   command.add_option("--calibration", a.calibration,
                      "TOML with [sky] (docs/cameras.md) and, if wanted, [site]; instead of the lens options");
+  command
+      .add_option("--camera", a.cameras,
+                  "Such a file of each time that a camera stood as it did, given again for each, like "
+                  "..2019-05-01=old.toml and 2019-05-01..=new.toml: UTC, the second day no part of it")
+      ->type_name("FROM..TO=FILE")
+      ->allow_extra_args(false);
   command.add_option("--lens", a.lens, "Fisheye model")
       ->check(CLI::IsMember({"equidistant", "equisolid"}))
       ->capture_default_str();
@@ -288,7 +299,10 @@ void order_lists(const CLI::App& command, EstimateArguments& arguments) {
   auto next_image = arguments.images.begin();
   auto next_list = arguments.lists.begin();
   for (const auto* option : command.parse_order()) {
-    if (option == list && next_list != arguments.lists.end()) ordered.push_back("@" + *next_list++);
+    if (option == list && next_list != arguments.lists.end()) {
+      ordered.push_back(*next_list == "-" ? "-" : "@" + *next_list);
+      ++next_list;
+    }
     if (option == image && next_image != arguments.images.end()) ordered.push_back(*next_image++);
   }
   arguments.images = std::move(ordered);

@@ -27,6 +27,7 @@ struct EstimateArguments {
   std::vector<int> part;           // of them: left, top, width, height
   std::optional<double> distance_m;
   std::string calibration;
+  std::vector<std::string> cameras;  // FROM..TO=FILE: calibrations, each of a time
   std::string lens = "equidistant";
   std::optional<double> fov_deg;
   std::vector<double> circle;
@@ -58,14 +59,14 @@ struct EstimateArguments {
   bool resume = false;
   std::string learn_camera;
   std::vector<std::string> merge;
-  std::string summary;      // empty: summary.html beside `out`
+  std::string summary;  // empty: summary.html beside `out`
   std::string given_words;  // options as given that answers depend on, one a line; after parsing
 
   bool response_from_pictures() const { return response == "estimate"; }
 };
 
 void add_estimate_options(CLI::App& command, EstimateArguments& arguments);
-// Puts each --list into the images, as @LIST, where it stood among them. After parsing.
+// Puts each --list into the images, as @LIST or -, where it stood among them. After parsing.
 void order_lists(const CLI::App& command, EstimateArguments& arguments);
 
 // Of options whose value changes an answer, and with what they were given.

@@ -14,6 +14,7 @@
 #include "base/files.hpp"
 #include "base/utc_text.hpp"
 #include "capture/fixture/fixture.hpp"
+#include "pipeline/site/files/archive_members.hpp"
 #include "pipeline/site/files/picture_source.hpp"
 
 namespace kasumi {
@@ -62,6 +63,7 @@ SkyInput input_of_line(std::string line) {
 
 Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments) {
   EstimateInputs inputs;
+  if (auto read = inputs.read_cameras(arguments); !read) return fail(read.error());
   if (!arguments.time_format.empty())
     inputs.times_ = PictureTimes{arguments.time_format == "auto" ? "" : arguments.time_format, arguments.utc_offset_h};
   if (arguments.images.empty())
@@ -87,6 +89,9 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
     inputs_.emplace_back();
   } else if (is_there(word)) {
     add_path(arguments, word);
+  } else if (const auto member = archive_member(word); member && is_there(member->archive)) {
+    of_command_line_ = true;
+    add(SkyInput{word, {}, {}, 0});
   } else if (word.starts_with("@")) {
     add_list(word.substr(1));
   } else if (word.find_first_of("*?[") != std::string::npos) {
@@ -98,6 +103,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
 
 void EstimateInputs::add_path(const EstimateArguments& arguments, const std::filesystem::path& path) {
   if (!is_folder(path)) {
+    if (is_archive_file(path)) return add_members(path);
     of_command_line_ = true;
     add(SkyInput{path, {}, {}, 0});
   } else if (is_there(path / kFixtureFile)) {
@@ -134,6 +140,30 @@ void EstimateInputs::add_folder(const std::filesystem::path& folder) {
   if (files.empty()) problems_.add("{}: a folder without any picture", folder.string());
   for (auto& file : files) add(SkyInput{std::move(file), {}, {}, 0});
   of_command_line_ = of_command_line_ || !files.empty();
+}
+
+// Their names are kept as lines of a list.
+void EstimateInputs::add_members(const std::filesystem::path& archive) {
+  auto names = members_of(archive);
+  if (!names) {
+    problems_.add("{}", names.error().message);
+    return;
+  }
+  std::erase_if(*names, [](const auto& name) { return !is_sky_picture(name); });
+  if (names->empty()) problems_.add("{}: an archive without any picture", archive.string());
+  std::set<std::string_view> once;
+  std::string lines;
+  for (const auto& name : *names) {
+    const bool again = !once.insert(name).second, broken = name.find_first_of("\t\r\n") != std::string::npos;
+    if (again || broken) {
+      problems_.add("{}: {}: {}", archive.string(), name,
+                    again ? "is there twice, expected each name once" : "has a tab or a line break in its name");
+      return;
+    }
+    lines += ArchiveMember{archive, name}.path().native() + '\n';
+  }
+  add_lines(std::move(lines), inputs_);
+  of_command_line_ = of_command_line_ || !names->empty();
 }
 
 void EstimateInputs::add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder) {
@@ -215,13 +245,43 @@ std::vector<SkyInput> EstimateInputs::all() {
 }
 
 SkyInput EstimateInputs::timed(SkyInput input) const {
-  if (!times_ || input.utc || !input.problem.empty()) return input;
-  input.utc = picture_time(input.file, *times_);
-  if (!input.utc && !cameras_[input.camera].utc)
-    input.problem = fmt::format(
-        "{}: no time {}", input.file.string(),
-        times_->format.empty() ? "in its name or in EXIF" : fmt::format("like {} in its name", times_->format));
+  if (!input.problem.empty()) return input;
+  if (times_ && !input.utc) {
+    input.utc = picture_time(input.file, *times_);
+    if (!input.utc && !cameras_[input.camera].utc)
+      input.problem = fmt::format(
+          "{}: no time {}", input.file.string(),
+          times_->format.empty() ? "in its name or in EXIF" : fmt::format("like {} in its name", times_->format));
+  }
+  if (periods_.empty() || input.camera != 0 || !input.problem.empty()) return input;
+  const auto utc = input.utc ? input.utc : cameras_.front().utc;
+  if (const auto period = utc ? periods_.at(*utc) : std::nullopt)
+    input.camera = first_of_periods_ + *period;
+  else
+    input.problem =
+        fmt::format("{}: {}", input.file.string(),
+                    utc ? "no --camera is of " + utc_text(*utc) : "no time, by which its --camera is known");
   return input;
+}
+
+Result<> EstimateInputs::read_cameras(const EstimateArguments& arguments) {
+  auto periods = CameraPeriods::read(arguments.cameras);
+  if (!periods) return fail(periods.error());
+  periods_ = std::move(*periods);
+  if (periods_.empty()) return {};
+  Problems problems;
+  if (!arguments.calibration.empty() || !arguments.camera_memory.empty())
+    problems.add(
+        "--camera: has the camera of each picture, expected neither --calibration nor --camera-memory beside it");
+  first_of_periods_ = cameras_.size();
+  for (std::size_t i = 0; i < periods_.size() && problems.empty(); ++i) {
+    auto own = arguments;
+    own.calibration = periods_.file(i);
+    auto options = sky_photograph_options(own);
+    if (!options) return fail(FaultKind::bad_input, "--camera {}: {}", periods_.file(i), options.error().message);
+    cameras_.push_back(std::move(*options));
+  }
+  return problems.empty() ? Result<>() : fail(problems.fault());
 }
 
 void EstimateInputs::add_lines(std::string text, std::vector<Entry>& entries) {

@@ -1,4 +1,4 @@
-// What `kasumi estimate` is given: picture files, folders of them, recordings, lists and patterns, mixed, as one stream
+// What `kasumi estimate` is given: picture files, folders and archives of them, recordings, lists and patterns, mixed, as one stream
 // of pictures in the order given.
 #pragma once
 
@@ -12,6 +12,7 @@
 
 #include "base/result.hpp"
 #include "pipeline/lab/archive/archive_record.hpp"
+#include "pipeline/lab/photographs/camera_periods.hpp"
 #include "pipeline/lab/photographs/estimate_arguments.hpp"
 
 namespace kasumi {
@@ -30,7 +31,7 @@ SkyInput input_of_line(std::string line);
 class EstimateInputs {
  public:
   // Expands arguments.images; standard input is read when its turn comes. Folders give the pictures in them, by name,
-  // without those of --plot; folders with fixture.toml the frames of their sky camera, under their own camera and site
+  // without those of --plot; tar and zip files theirs, in their order; folders with fixture.toml the frames of their sky camera, under their own camera and site
   // unless a --calibration is given. Errors (bad_input): all of the options for pictures of the command line's camera.
   static Result<EstimateInputs> expand(const EstimateArguments& arguments);
 
@@ -55,7 +56,7 @@ class EstimateInputs {
   // At most so many, spread over the list and, where its pictures follow each other evenly, over day and year; in
   // mixed order. After complete().
   std::vector<SkyInput> sample(std::size_t most) const;
-  // The first is the command line's; the others are recordings'.
+  // The first is the command line's; the others are --camera's and recordings'.
   const std::vector<SkyPhotographOptions>& cameras() const { return cameras_; }
   void set_tone(const ToneCurve& tone) { cameras_.front().tone = tone; }
   void set_memory(const std::shared_ptr<const CameraMemory>& memory) {
@@ -78,9 +79,11 @@ class EstimateInputs {
   void add_path(const EstimateArguments& arguments, const std::filesystem::path& path);
   void add_pattern(const EstimateArguments& arguments, const std::string& pattern);
   void add_list(const std::filesystem::path& file);
+  void add_members(const std::filesystem::path& archive);
   void add_folder(const std::filesystem::path& folder);
   void add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder);
 
+  Result<> read_cameras(const EstimateArguments& arguments);
   std::optional<SkyInput> take(bool wait);
   SkyInput timed(SkyInput input) const;
 
@@ -89,7 +92,9 @@ class EstimateInputs {
   std::size_t at_ = 0;
   std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
   std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
-  bool of_command_line_ = false;  // pictures need the camera of the command line
+  CameraPeriods periods_;             // of --camera
+  std::size_t first_of_periods_ = 0;  // in cameras_
+  bool of_command_line_ = false;      // pictures need the camera of the command line
   std::optional<PictureTimes> times_;
   Problems problems_;
 };

@@ -14,6 +14,7 @@
 #include "base/picture_header.hpp"
 #include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
+#include "pipeline/site/files/archive_members.hpp"
 #include "pipeline/site/files/picture_origin.hpp"
 
 namespace kasumi {
@@ -25,7 +26,7 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
 }
 
 Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_picture_bytes(path);
   if (!bytes) return fail(bytes.error());
   const auto header = picture_header(*bytes);
   if (header)

@@ -9,6 +9,7 @@
 
 #include "base/c_ptr.hpp"
 #include "base/finite_number.hpp"
+#include "pipeline/site/files/archive_members.hpp"
 
 namespace kasumi {
 namespace {
@@ -53,7 +54,11 @@ std::optional<double> offset_of(const std::string& text) {
 }
 
 std::optional<Utc> by_exif(const std::filesystem::path& file, double offset_h) {
-  const ExifPtr data(exif_data_new_from_file(file.c_str()));
+  const auto member = archive_member(file);
+  const auto bytes =
+      member ? read_picture_bytes(file).value_or(std::vector<std::uint8_t>()) : std::vector<std::uint8_t>();
+  const ExifPtr data(member ? exif_data_new_from_data(bytes.data(), static_cast<unsigned int>(bytes.size()))
+                            : exif_data_new_from_file(file.c_str()));
   if (!data) return std::nullopt;
   const auto own = offset_of(entry_of(*data, EXIF_TAG_OFFSET_TIME_ORIGINAL));
   return parse(entry_of(*data, EXIF_TAG_DATE_TIME_ORIGINAL), kExif, own.value_or(offset_h));

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/pipeline/run_kasumi.hpp"
+#include "tests/pipeline/site/files/packed.hpp"
 
 namespace kasumi {
 namespace {
@@ -202,6 +203,92 @@ TEST_F(ArchiveCommand, ALearntCameraIsTheSameForAllShards) {
   run("b.jsonl", "2/2");
   EXPECT_EQ(text("a.jsonl") + text("b.jsonl"), text("all.jsonl"));
   EXPECT_EQ(text("camera.toml"), camera);
+}
+
+// The same pictures by themselves and inside of a tar and a zip file: the same answers, shards and all.
+TEST_F(ArchiveCommand, PicturesOfATarFileAnswerAsTheyDoUnpacked) {
+  std::filesystem::create_directories(folder / "day");
+  std::vector<std::pair<std::string, std::string>> first, second;
+  for (int i = 0; i < 6; ++i) {
+    const auto name = fmt::format("day/20261020_06{:02}.jpg", i);
+    (i < 4 ? first : second).emplace_back(name, read_text_file(frame(i)).value());
+    std::filesystem::copy_file(frame(i), folder / name);
+  }
+  second.emplace_back("day/readme.txt", "no picture");
+  second.emplace_back("day/20261020_0606.jpg", "broken");
+  std::ofstream(folder / "day/20261020_0606.jpg") << "broken";
+  pack(folder / "1.tar", first);
+  pack(folder / "2.zip", second);
+  const auto packed = fmt::format("{} {} --time-format auto", in("1.tar"), in("2.zip"));
+  ASSERT_EQ(estimate(packed + " --out " + in("whole.jsonl")).code, 0);
+  ASSERT_EQ(estimate(fmt::format("{} --time-format auto --out {}", in("day"), in("files.jsonl"))).code, 0);
+  for (int i = 1; i <= 3; ++i)
+    ASSERT_EQ(estimate(fmt::format("{} --shard {}/3 --out {}", packed, i, in(fmt::format("p{}.jsonl", i)))).code, 0);
+  // A torn part goes on inside of the archive.
+  std::filesystem::resize_file(folder / "p2.jsonl", std::filesystem::file_size(folder / "p2.jsonl") - 10);
+  ASSERT_EQ(estimate(packed + " --shard 2/3 --resume --out " + in("p2.jsonl")).code, 0);
+  const auto merged = run_kasumi(fmt::format("estimate --merge {} {} {} --out {}", in("p1.jsonl"), in("p2.jsonl"),
+                                             in("p3.jsonl"), in("all.jsonl")));
+  ASSERT_EQ(merged.code, 0) << merged.err;
+  EXPECT_EQ(text("all.jsonl"), text("whole.jsonl"));
+  std::istringstream of_files(text("files.jsonl")), of_members(text("whole.jsonl"));
+  std::string file, member;
+  int lines = 0;
+  while (std::getline(of_files, file) && std::getline(of_members, member)) {
+    auto one = nlohmann::json::parse(file), other = nlohmann::json::parse(member);
+    EXPECT_EQ(other["image"],
+              (lines < 4 ? in("1.tar:") : in("2.zip:")) + fmt::format("day/20261020_06{:02}.jpg", lines));
+    for (auto* record : {&one, &other}) {
+      record->erase("image");
+      record->erase("archive");
+      if (lines == 6) record->erase("reason");  // names it
+    }
+    EXPECT_EQ(one, other);
+    ++lines;
+  }
+  EXPECT_EQ(lines, 7);
+  const auto single = run_kasumi(fmt::format("estimate {}:day/20261020_0600.jpg --sun-from-image --json", in("1.tar")));
+  EXPECT_THAT(single.out, HasSubstr("1.tar:day/20261020_0600.jpg"));
+}
+
+TEST_F(ArchiveCommand, ListsComeOnStandardInput) {
+  const auto outcome =
+      run_kasumi(fmt::format("estimate --list - --json --calibration {}/fixtures/demo/fixture.toml < {}",
+                             source_folder().string(), in("list")));
+  EXPECT_EQ(std::ranges::count(outcome.out, '\n'), kPictures - 1) << outcome.err;
+}
+
+// The camera was turned between two of its pictures.
+TEST_F(ArchiveCommand, EachTimeHasItsCamera) {
+  const auto demo = source_folder() / "fixtures/demo", old_camera = demo / "fixture.toml";
+  std::ofstream(folder / "list") << frame(0) << "\t2026-10-20T06:10:00Z\n"
+                                 << frame(0) << "\t2026-10-21T06:10:00Z\n"
+                                 << frame(0) << "\t2026-10-22T00:00:00Z\n"
+                                 << frame(0) << "\n";
+  auto turned = read_text_file(old_camera).value();
+  const std::string up = "azimuth_up_deg = 18.0";
+  ASSERT_NE(turned.find(up), std::string::npos);
+  std::ofstream(folder / "new.toml") << turned.replace(turned.find(up), up.size(), "azimuth_up_deg = 108.0");
+  std::filesystem::copy_file(demo / "sky-mask.png", folder / "sky-mask.png");
+  const auto ask = [&](const std::string& cameras) {
+    return run_kasumi(fmt::format("estimate @{} {} --json", in("list"), cameras));
+  };
+  const auto outcome = ask(
+      fmt::format("--camera 2026-10-21..2026-10-22={} --camera ..2026-10-21={}", in("new.toml"), old_camera.string()));
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("no --camera is of 2026-10-22T00:00:00Z"),
+                                 HasSubstr("no time, by which its --camera is known")));
+  ASSERT_EQ(std::ranges::count(outcome.out, '\n'), 2) << outcome.err;
+  const auto end = outcome.out.find('\n') + 1;
+  const auto alone = [&](const std::filesystem::path& camera, const char* utc) {
+    return run_kasumi(fmt::format("estimate {} --utc {} --calibration {} --json", frame(0), utc, camera.string())).out;
+  };
+  const auto before = outcome.out.substr(0, end), after = outcome.out.substr(end);
+  EXPECT_EQ(before, alone(old_camera, "2026-10-20T06:10:00Z"));
+  EXPECT_EQ(after, alone(folder / "new.toml", "2026-10-21T06:10:00Z"));
+  EXPECT_NE(after, alone(old_camera, "2026-10-21T06:10:00Z"));
+  EXPECT_THAT(ask("--camera ..2026-10-21=/nowhere.toml").err, HasSubstr("--camera /nowhere.toml: "));
+  EXPECT_THAT(ask(fmt::format("--camera ..2026-10-21={0} --calibration {0}", old_camera.string())).err,
+              HasSubstr("expected neither --calibration"));
 }
 
 }  // namespace
