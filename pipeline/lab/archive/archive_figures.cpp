@@ -10,6 +10,8 @@
 namespace kasumi {
 namespace {
 
+constexpr double kBelowHorizon_deg = 90.0;
+
 std::optional<double> number_in(const nlohmann::json& record, const char* key) {
   const auto found = record.find(key);
   return found != record.end() && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
@@ -57,7 +59,11 @@ std::optional<double> Cell::cloud() const {
 
 void ArchiveFigures::add(const nlohmann::json& record) {
   ++pictures_;
-  const auto refused = text_in(record, "refused");
+  auto refused = text_in(record, "refused");
+  if (refused.empty() && number_in(record, "sun_zenith_deg").value_or(0.0) > kBelowHorizon_deg) {
+    refused = "night";
+    ++nights_;
+  }
   const auto aod = refused.empty() ? number_in(record, "aod_550") : std::nullopt;
   const auto cloud = number_in(record, "cloud_fraction");
   if (refused.empty())

@@ -43,10 +43,12 @@ class ArchiveFigures {
  public:
   // `ahead`: wall time of days and hours over UTC.
   explicit ArchiveFigures(std::chrono::minutes ahead) : ahead_(ahead) {}
+  // Whatever the air of a night's picture may be, it is left out: its light is the moon's or a lamp's.
   void add(const nlohmann::json& record);
 
   std::size_t pictures() const { return pictures_; }
   std::size_t usable() const { return usable_; }
+  std::size_t nights() const { return nights_; }      // usable but for the sun, which was below the horizon
   std::size_t timeless() const { return timeless_; }  // pictures without a time, in no day
   const std::optional<Utc>& first() const { return first_; }
   const std::optional<Utc>& last() const { return last_; }
@@ -59,7 +61,7 @@ class ArchiveFigures {
 
  private:
   std::chrono::minutes ahead_;
-  std::size_t pictures_ = 0, usable_ = 0, timeless_ = 0;
+  std::size_t pictures_ = 0, usable_ = 0, timeless_ = 0, nights_ = 0;
   std::optional<Utc> first_, last_;
   std::map<std::chrono::sys_days, Cell> days_;
   std::array<std::array<Cell, 24>, 12> hours_;

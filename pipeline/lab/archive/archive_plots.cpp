@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/site/files/html.hpp"
+#include "pipeline/lab/archive/svg_shapes.hpp"
 
 namespace kasumi {
 namespace {
@@ -13,7 +13,7 @@ using std::chrono::days;
 using std::chrono::sys_days;
 using std::chrono::year_month_day;
 
-constexpr std::string_view kDark = "#222", kQuiet = "#555", kPale = "#ddd", kMissing = "#f1f1f1";
+constexpr std::string_view kMissing = "#f1f1f1";
 constexpr std::array<const char*, 12> kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                               "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
 
@@ -25,14 +25,6 @@ std::optional<double> value_of(const Cell& cell, SkyFigure figure) {
   if (figure == SkyFigure::cloud) return cell.cloud();
   const auto spread = cell.aod();
   return spread ? std::optional(spread->median) : std::nullopt;
-}
-
-// Round steps, five at most.
-double round_step(double range) {
-  const double raw = range / 5.0, power = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double each : {1.0, 2.0, 2.5, 5.0})
-    if (each * power >= raw) return each * power;
-  return 10.0 * power;
 }
 
 // The top of a scale of such values: of aerosol a few hazy days may be off it.
@@ -70,27 +62,6 @@ std::string colour_of(double share, SkyFigure figure) {
   return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
 }
 
-void open_svg(PageText& svg, double width, double height, std::string_view title) {
-  svg.add(
-      "<svg viewBox=\"0 0 {:g} {:g}\" role=\"img\" aria-label=\"{}\" font-family=\"system-ui, DejaVu Sans, "
-      "sans-serif\" "
-      "font-size=\"12\">\n",
-      width, height, html_escaped(title));
-}
-void add_text(PageText& svg, double x, double y, std::string_view anchor, std::string_view words,
-              std::string_view ink = kQuiet) {
-  svg.add("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\" fill=\"{}\">{}</text>\n", x, y, anchor, ink,
-          html_escaped(words));
-}
-void add_rule(PageText& svg, double x0, double y0, double x1, double y1, std::string_view ink = kPale) {
-  svg.add("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\"/>\n", x0, y0, x1, y1, ink);
-}
-void add_square(PageText& svg, double x, double y, double width, double height, std::string_view colour,
-                const std::string& says) {
-  svg.add("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"><title>{}</title></rect>\n",
-          x, y, width, height, colour, html_escaped(says));
-}
-
 void add_scale(PageText& svg, double x, double y, double top, SkyFigure figure) {
   constexpr int kSteps = 30;
   constexpr double kStep = 5.0;
@@ -101,7 +72,7 @@ void add_scale(PageText& svg, double x, double y, double top, SkyFigure figure) 
   add_text(svg, x + kStep * kSteps + 6, y + 11, "start",
            figure == SkyFigure::aod ? fmt::format("{:g} or more", top) : fmt::format("{:g}", top));
   svg.add("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"14\" fill=\"{}\" stroke=\"{}\"/>\n", x + 270, y,
-          kMissing, kPale);
+          kMissing, kPlotPale);
   add_text(svg, x + 290, y + 11, "start", "not known");
 }
 
@@ -204,7 +175,7 @@ std::string plot_calendar(const ArchiveFigures& figures, SkyFigure figure) {
     const double above = kBlock * (year - first) + 18;
     const sys_days begin{std::chrono::year{year} / 1 / 1}, end{std::chrono::year{year + 1} / 1 / 1};
     const int offset = static_cast<int>(std::chrono::weekday(begin).iso_encoding()) - 1;
-    add_text(svg, kLeft - 8, above + 3.5 * kPitch, "end", fmt::format("{}", year), kDark);
+    add_text(svg, kLeft - 8, above + 3.5 * kPitch, "end", fmt::format("{}", year), kPlotDark);
     for (auto day = begin; day < end; day += days{1}) {
       const int n = static_cast<int>((day - begin).count()) + offset;
       const double x = kLeft + kPitch * (n / 7), y = above + kPitch * (n % 7);
@@ -274,7 +245,7 @@ std::string plot_refusals(const ArchiveFigures& figures) {
     auto words = reasons[i].first;
     constexpr std::size_t kLongest = 72;
     if (words.size() > kLongest) words = words.substr(0, words.find_last_of(' ', kLongest)) + " ...";
-    add_text(svg, kBar * share + 8, y + 12, "start", fmt::format("{:.1f} %, {}", 100.0 * share, words), kDark);
+    add_text(svg, kBar * share + 8, y + 12, "start", fmt::format("{:.1f} %, {}", 100.0 * share, words), kPlotDark);
   }
   svg.add("</svg>\n");
   return std::move(svg).text();

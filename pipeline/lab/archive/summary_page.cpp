@@ -81,7 +81,9 @@ void add_over_time(PageText& page, const ArchiveFigures& figures) {
 
 }  // namespace
 
-std::string summary_page(const ArchiveFigures& figures, const Archive& archive) {
+std::string summary_page(const ArchiveSummary& summary) {
+  const auto& figures = summary.figures;
+  const auto& archive = summary.archive;
   PageText page;
   page.add(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
@@ -94,11 +96,15 @@ std::string summary_page(const ArchiveFigures& figures, const Archive& archive) 
   if (figures.first()) page.add(", from {} to {}", utc_text(*figures.first()), utc_text(*figures.last()));
   page.add(". The air is known from {} of them ({:.1f} %).", figures.usable(), share);
   if (figures.timeless() > 0) page.add(" {} have no time: they are in no plot over time.", figures.timeless());
+  if (figures.nights() > 0)
+    page.add(" {} are left out by rule: the sun was below the horizon, and their light the moon's or a lamp's.",
+             figures.nights());
   page.add("</p>\n<p class=\"quiet\">Days and hours are {}. List {}, options {}.</p>\n", zone_name(figures.ahead()),
            html_escaped(archive.list), html_escaped(archive.options));
   if (!figures.days().empty()) {
     add_over_time(page, figures);
     add_seasons(page, figures);
+    page.add("{}", series_sections(summary));
   }
   page.add("<h2>Refused</h2>\n<p class=\"quiet\">Share of all pictures whose air is not known, by reason.</p>\n{}",
            plot_refusals(figures));

@@ -6,9 +6,23 @@
 
 #include "pipeline/lab/archive/archive_figures.hpp"
 #include "pipeline/lab/archive/archive_record.hpp"
+#include "pipeline/lab/archive/photometer.hpp"
+#include "pipeline/lab/archive/series_figures.hpp"
 
 namespace kasumi {
 
-std::string summary_page(const ArchiveFigures& figures, const Archive& archive);
+struct ArchiveSummary {
+  const ArchiveFigures& figures;
+  const SeriesFigures& series;
+  const PhotometerComparison* photometer;  // null: none was given
+  const Archive& archive;
+};
+std::string summary_page(const ArchiveSummary& summary);
+
+// The same figures as one JSON object, for programs.
+std::string summary_json(const ArchiveSummary& summary);
+
+// Sections of the page.
+std::string series_sections(const ArchiveSummary& summary);
 
 }  // namespace kasumi

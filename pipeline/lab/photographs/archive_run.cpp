@@ -90,11 +90,21 @@ Result<int> merge_archive(const EstimateArguments& arguments) {
   const auto whole = WholeArchive::prove({arguments.merge.begin(), arguments.merge.end()});
   if (!whole) return fail(whole.error());
 
-  ArchiveFigures figures(std::chrono::minutes(std::lround(60.0 * arguments.utc_offset_h)));
+  std::optional<PhotometerComparison> photometer;
+  if (!arguments.photometers.empty()) {
+    auto readings = read_photometer({arguments.photometers.begin(), arguments.photometers.end()});
+    if (!readings) return fail(readings.error());
+    photometer.emplace(std::move(*readings));
+  }
+  const std::chrono::minutes ahead(std::lround(60.0 * arguments.utc_offset_h));
+  ArchiveFigures figures(ahead);
+  SeriesFigures series(ahead);
   Progress progress("merge", whole->archive().pictures, std::chrono::seconds(60));
   const auto pass = [&](RecordTable* table) -> Result<> {
     auto taken = whole->for_each([&](std::string_view line, const nlohmann::json& record) -> Result<> {
       figures.add(record);
+      series.add(record);
+      if (photometer) photometer->add(record);
       progress.advance("");
       return table ? table->add(line, record) : Result<>();
     });
@@ -110,7 +120,10 @@ Result<int> merge_archive(const EstimateArguments& arguments) {
   if (!merged) return fail(merged.error());
   const auto page =
       arguments.summary.empty() ? out.parent_path() / "summary.html" : std::filesystem::path(arguments.summary);
-  if (auto written = write_text_file(page, summary_page(figures, whole->archive())); !written)
+  const ArchiveSummary summary{figures, series, photometer ? &*photometer : nullptr, whole->archive()};
+  if (auto written = write_text_file(page, summary_page(summary)); !written) return fail(written.error());
+  auto beside = page;
+  if (auto written = write_text_file(beside.replace_extension(".json"), summary_json(summary)); !written)
     return fail(written.error());
   fmt::print("{} pictures of {} parts, each exactly once; {} tell the air: {}{}\n", figures.pictures(),
              arguments.merge.size(), figures.usable(), out.empty() ? "" : out.string() + ", ", page.string());

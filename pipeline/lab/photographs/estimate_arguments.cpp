@@ -116,16 +116,23 @@ void add_archive_options(CLI::App& command, EstimateArguments& a) {
           .add_option("--merge", a.merge,
                       "Instead of pictures: all parts of an archive, files of --out, into one table and summary.html")
           ->type_name("PART");
-  command.add_option("--summary", a.summary, "With --merge: the page. Default: summary.html beside --out")
+  command
+      .add_option("--photometer", a.photometers,
+                  "With --merge: AERONET's tables of aerosol optical depth (version 3, .lev15 or .lev20), to compare")
+      ->type_name("FILE")
+      ->needs(merge);
+  command
+      .add_option("--summary", a.summary,
+                  "With --merge: the page, and its figures as .json beside it. Default: summary.html beside --out")
       ->needs(merge);
 }
 
 }  // namespace
 
 std::string words_of_answers(const CLI::App& command) {
-  constexpr std::array<std::string_view, 13> kOthers{"image",    "--list",    "--jobs",        "--out",  "--shard",
-                                                     "--resume", "--json",    "--csv",         "--plot", "--plot-dir",
-                                                     "--merge",  "--summary", "--learn-camera"};
+  constexpr std::array<std::string_view, 14> kOthers{
+      "image", "--list", "--jobs",     "--out",   "--shard",   "--resume",       "--json",
+      "--csv", "--plot", "--plot-dir", "--merge", "--summary", "--learn-camera", "--photometer"};
   std::string words;
   for (const auto* option : command.get_options()) {
     const auto name = option->get_name();

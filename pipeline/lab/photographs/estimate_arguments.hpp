@@ -60,6 +60,7 @@ struct EstimateArguments {
   std::string learn_camera;
   std::vector<std::string> merge;
   std::string summary;  // empty: summary.html beside `out`
+  std::vector<std::string> photometers;
   std::string given_words;  // options as given that answers depend on, one a line; after parsing
 
   bool response_from_pictures() const { return response == "estimate"; }

@@ -65,10 +65,14 @@ class Summary : public testing::Test {
  protected:
   static constexpr std::size_t kDays = 40;
   void SetUp() override {
-    for (std::size_t i = 1; i <= 144 * kDays; ++i) figures.add(nlohmann::json::parse(made.record(i)));
+    for (std::size_t i = 1; i <= 144 * kDays; ++i) {
+      figures.add(nlohmann::json::parse(made.record(i)));
+      series.add(nlohmann::json::parse(made.record(i)));
+    }
   }
   const MadeArchive made{144 * kDays};
   ArchiveFigures figures{minutes(0)};
+  SeriesFigures series{minutes(0)};
 };
 
 std::size_t count_of(const std::string& text, std::string_view words) {
@@ -78,13 +82,13 @@ std::size_t count_of(const std::string& text, std::string_view words) {
 }
 
 TEST_F(Summary, ThePageHoldsItsFiguresAndFetchesNothing) {
-  const auto page = summary_page(figures, made.archive());
+  const auto page = summary_page({figures, series, nullptr, made.archive()});
   EXPECT_THAT(page,
               AllOf(HasSubstr("5760 pictures, each exactly once, from 2025-01-01T00:00:00Z to 2025-02-09T23:50:00Z"),
                     HasSubstr("0123456789abcdef"), HasSubstr("could not be read"), Not(HasSubstr("<script")),
                     Not(HasSubstr("http")), Not(HasSubstr("url("))));
-  EXPECT_EQ(count_of(page, "<svg"), 7u);
-  EXPECT_EQ(count_of(page, "role=\"img\" aria-label="), 7u);
+  EXPECT_EQ(count_of(page, "<svg"), 8u);
+  EXPECT_EQ(count_of(page, "role=\"img\" aria-label="), 8u);
   const auto half = 100.0 * static_cast<double>(figures.refusals().front().second) / 5760.0;
   EXPECT_EQ(figures.refusals().front().first, "night");
   EXPECT_THAT(page, HasSubstr(fmt::format("{:.1f} %, night", half)));
@@ -101,7 +105,7 @@ TEST_F(Summary, TheCalendarHasASquareForEachDay) {
 TEST_F(Summary, AnArchiveWithoutTimesHasNoPlotsOverTime) {
   ArchiveFigures timeless(0h);
   timeless.add({{"utc", nullptr}, {"refused", "a <b> reason"}});
-  const auto page = summary_page(timeless, made.archive());
+  const auto page = summary_page({timeless, SeriesFigures(0h), nullptr, made.archive()});
   EXPECT_THAT(page, AllOf(HasSubstr("1 have no time"), HasSubstr("a &lt;b&gt; reason"), Not(HasSubstr("By season"))));
 }
 
