@@ -128,7 +128,7 @@ inline constexpr StatusFigure kStatusFigures[] = {
      "What visitors pressed, turned and wiped since the start.",
      kCounted,
      "visitor_presses_total",
-     "",
+     "visitor_presses",
      {.text = "figure.presses", .unit = "1", .page = "{:.0f}", .machine = true}},
     {"since_boot_s", "Since the machine's boot.", kSeconds},
     {"pid", "The appliance's process.", {1.0, 4194304.0}},

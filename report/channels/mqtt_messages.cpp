@@ -39,7 +39,7 @@ struct Entity {
 
 void add_figures(bool machine, std::vector<Entity>& entities) {
   for (const auto& figure : kStatusFigures)
-    if (const auto& shown = figure.shown; !shown.text.empty() && !figure.mqtt.empty() && shown.machine == machine)
+    if (const auto& shown = figure.shown; !shown.text.empty() && shown.machine == machine)
       entities.push_back({"sensor", figure.mqtt, shown.text, shown.device_class, shown.unit, machine});
 }
 

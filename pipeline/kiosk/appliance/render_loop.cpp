@@ -268,7 +268,9 @@ Composition RenderLoop::composition() const {
   all.language = visitor_.language();
   all.print = visitor_.print();
   // Where there is no building, then is as now.
-  if (is_building_seen()) all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language());
+  if (!is_building_seen()) return all;
+  all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language());
+  all.story = visitor_.story();
   return all;
 }
 
@@ -278,6 +280,7 @@ Snapshot RenderLoop::snapshot_facts() const {
   if (const auto& caption = content_->config.still.caption; status_.rung.still > 0.0 && !caption.empty())
     texts.insert(texts.begin(), caption);
   if (shown_ && shown_->hand.bare > 0.0) texts.insert(texts.end(), {shown_->hand.now, shown_->hand.then});
+  if (shown_ && !shown_->story.text.empty()) texts.insert(texts.end(), {shown_->story.title, shown_->story.text});
   return snapshot_of(status_, is_building_seen(), texts, clock_.utc());
 }
 

@@ -31,10 +31,14 @@ std::vector<Language> from_configured(std::vector<Language> languages, Language 
 void VisitorDesk::use(const Content& content) {
   const auto& config = content.config;
   shown_era_ = era_name(content);
+  content_ = content.visitor;
   auto eras = names_of(config.eras);
   auto languages =
       from_configured(config.visitor ? config.visitor->languages : std::vector<Language>{}, config.messages.language);
-  if (options_ == config.visitor && eras == eras_ && languages == languages_) return;
+  if (options_ == config.visitor && eras == eras_ && languages == languages_) {
+    if (hand_) hand_->offer_stories(stories().size());
+    return;
+  }
   const bool same_devices = options_ && config.visitor && options_->devices == config.visitor->devices &&
                             options_->keys == config.visitor->keys;
   options_ = config.visitor;
@@ -48,6 +52,7 @@ void VisitorDesk::use(const Content& content) {
         *options_, [this](const std::filesystem::path& path) { return devices_.open_input(path); }, clock_);
   hand_.emplace(
       VisitorHand::Limits{std::max<std::size_t>(eras_.size(), 1), languages_.size(), options_->notch, options_->idle});
+  hand_->offer_stories(stories().size());
 }
 
 void VisitorDesk::step() {
@@ -65,12 +70,42 @@ double VisitorDesk::print() const {
   return hand_ && hand_->choice().large_print ? kLargePrint : 1.0;
 }
 
+std::vector<const Story*> VisitorDesk::stories() const {
+  std::vector<const Story*> told;
+  if (!content_) return told;
+  for (const Story& story : content_->stories)
+    if (is_told_in(story, shown_era_)) told.push_back(&story);
+  return told;
+}
+
+std::string VisitorDesk::era_title() const {
+  if (!content_) return shown_era_;
+  const auto era = std::ranges::find(content_->eras, shown_era_, &VisitorEra::name);
+  if (era == content_->eras.end()) return shown_era_;
+  const auto title = era->title.find(std::string(code_of(language())));
+  return title == era->title.end() ? era->title.at(content_->languages.front()) : title->second;
+}
+
+StoryView VisitorDesk::story() const {
+  const auto chosen = hand_ ? hand_->choice().story : 0;
+  const auto told = stories();
+  if (chosen == 0 || chosen > told.size()) return {};
+  const Story& story = *told[chosen - 1];
+  std::string in(code_of(language()));
+  if (!story.text.contains(in)) in = content_->languages.front();
+  return {story.title.at(in),
+          story.text.at(in),
+          in,
+          {options_->left_handed, options_->seated, hand_->choice().large_print, options_->pixels_per_degree}};
+}
+
 std::string VisitorDesk::note() const {
   const auto pressed = hand_ ? hand_->pressed(clock_.now()) : std::nullopt;
   if (!pressed) return {};
   switch (*pressed) {
     case HandKey::then_and_now: break;  // its labels say what it does
-    case HandKey::era: return shown_era_;
+    case HandKey::story: break;         // it is read
+    case HandKey::era: return era_title();
     case HandKey::language: return std::string(name_of(language()));
     case HandKey::large_print:
       return std::string(text_of(hand_->choice().large_print ? "hand.large_print" : "hand.normal_print", language()));

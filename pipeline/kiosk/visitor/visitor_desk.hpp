@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ class VisitorDesk {
  public:
   // `devices` and `clock` must outlive it.
   VisitorDesk(Devices& devices, Clock& clock) : devices_(devices), clock_(clock) {}
-  // Other options, or other eras, begin anew; else what was chosen stays.
+  // Other options, or other eras, begin anew; else what was chosen stays, but for a story of another era.
   void use(const Content& content);
   // Reads what has happened since. Never waits.
   void step();
@@ -38,14 +39,19 @@ class VisitorDesk {
   Language language() const;
   double print() const;      // of the letters' usual size
   std::string note() const;  // what was chosen last, for some seconds after; empty: nothing
+  StoryView story() const;   // in the visitor's language, else in the content's usual one; no text: none is read
   std::optional<VisitorStatus> status() const;
 
  private:
+  std::vector<const Story*> stories() const;  // to be read now
+  std::string era_title() const;              // in the visitor's language, else in the content's usual one
+
   Devices& devices_;
   Clock& clock_;
   std::optional<VisitorOptions> options_;
   std::vector<std::string> eras_;
   std::string shown_era_;
+  std::shared_ptr<const VisitorContent> content_;       // null: there is none
   std::vector<Language> languages_{Language::english};  // the configured one first
   std::optional<InputReader> reader_;
   std::optional<VisitorHand> hand_;

@@ -12,7 +12,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // Columns in the order of HandKey.
-constexpr std::string_view kPressesHeader = "hour_utc,then_and_now,era,language,large_print\n";
+constexpr std::string_view kPressesHeader = "hour_utc,then_and_now,era,language,large_print,story\n";
 constexpr auto kPressesKept = std::chrono::days(396);  // 13 months
 constexpr std::uint64_t kMostPresses = 1'000'000'000;  // in an hour
 

@@ -16,6 +16,7 @@ std::string Composition::over_scene() const {
   if (rung.dark > 0.0) return "the screen is dark";
   if (rung.still > 0.0) return "the still picture is shown";
   if (hand.bare > 0.0) return "a visitor wipes";
+  if (!story.text.empty()) return "a visitor reads a story";
   return message.empty() ? "" : "words are shown";
 }
 
@@ -80,6 +81,7 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   letters.print = composition.print;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target); !drawn) return drawn;
+  if (auto drawn = story_.draw(*context_, composition.story, *content_, target); !drawn) return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
   if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)
     return drawn;

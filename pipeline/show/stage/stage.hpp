@@ -8,6 +8,7 @@
 #include "pipeline/show/scene/compositor.hpp"
 #include "pipeline/show/scene/scene_frame.hpp"
 #include "pipeline/show/stage/overlay.hpp"
+#include "pipeline/show/stage/shown_story.hpp"
 #include "pipeline/show/stage/still_picture.hpp"
 #include "pipeline/show/stage/then_and_now.hpp"
 #include "pipeline/show/stage/words.hpp"
@@ -21,6 +22,7 @@ struct Composition {
   Rung rung;
   std::string message;                 // what is wrong, for visitors; empty: nothing
   HandView hand{};                     // what a visitor wipes; Compositor::set_bare() draws it
+  StoryView story{};                   // that a visitor reads
   std::optional<Language> language{};  // a visitor's choice; empty: the configured one
   double print = 1.0;                  // of the letters' usual size
   std::string over_scene() const;      // what is drawn over the scene, for people; empty: nothing is
@@ -72,6 +74,7 @@ class Stage {
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;
   ThenAndNow then_and_now_;
+  ShownStory story_;
   bool has_scene_ = false;
   bool draws_object_ = false;
 };

@@ -1,7 +1,6 @@
 #include "pipeline/show/stage/stories_on_glass.hpp"
 
-#include "pipeline/show/stage/story_panel.hpp"
-#include "pipeline/site/config/sighting.hpp"
+#include "pipeline/show/stage/shown_story.hpp"
 #include "pipeline/site/config/story_sight.hpp"
 
 namespace kasumi {
@@ -9,18 +8,6 @@ namespace {
 
 // Letters grow with the screen: any will do of the shape of most.
 constexpr int kUsualWidth = 1280, kUsualHeight = 720;
-
-// The building in the scene camera's picture, as a screen of that size shows it.
-std::optional<FlatPlace> building_on_screen(const Installation& installation, const Model& model) {
-  const auto sighting = sight_object(installation, model.bounds());
-  if (!sighting.in_picture()) return std::nullopt;
-  const Camera& scene = installation.scene;
-  const double scale = std::min(1.0 * kUsualWidth / scene.width, 1.0 * kUsualHeight / scene.height);
-  const glm::dvec2 corner{(kUsualWidth - scale * scene.width) / 2.0, (kUsualHeight - scale * scene.height) / 2.0};
-  const glm::dvec2 from = corner + scale * (sighting.least_px + 0.5),
-                   to = corner + scale * (sighting.greatest_px + 0.5);
-  return FlatPlace{from.x, from.y, to.x - from.x, to.y - from.y};
-}
 
 void read_story(const Story& story, const Content& content, const std::optional<FlatPlace>& building,
                 std::vector<std::string>& faults) {
@@ -46,7 +33,7 @@ std::vector<std::string> stories_that_cannot_be_seen(const Content& content) {
   if (!content.visitor) return faults;
   const auto& installation = content.config.installation;
   const auto models = shown_models(content);
-  const auto building = building_on_screen(installation, *models.front().model);
+  const auto building = building_on_screen(installation, *models.front().model, kUsualWidth, kUsualHeight);
   for (const Story& story : content.visitor->stories) {
     std::string unseen;
     bool seen = false;

@@ -18,6 +18,7 @@ struct PanelReader {
   bool seated = false;       // in the lower third of the screen
   bool large_print = false;  // letters of a degree at least, half as large again as usual, and never smaller to fit
   double pixels_per_degree = 24.0;  // of the screen, from where it is read: 43 inches of 1920 x 1080 at 70 cm
+  friend bool operator==(const PanelReader&, const PanelReader&) = default;
 };
 
 struct PanelRequest {

@@ -43,7 +43,13 @@ void VisitorHand::press(HandKey key, Instant now) {
     case HandKey::era: choice_.era = (choice_.era + 1) % limits_.eras; return;
     case HandKey::language: choice_.language = (choice_.language + 1) % limits_.languages; return;
     case HandKey::large_print: choice_.large_print = !choice_.large_print; return;
+    case HandKey::story: choice_.story = (choice_.story + 1) % (stories_ + 1); return;
   }
+}
+
+void VisitorHand::offer_stories(std::size_t count) {
+  stories_ = count;
+  if (choice_.story > count) choice_.story = 0;
 }
 
 void VisitorHand::take(const HandEvent& event, Instant now) {

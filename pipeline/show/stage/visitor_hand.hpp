@@ -23,12 +23,15 @@ class VisitorHand {
     std::size_t era = 0;       // so many after the one of the day
     std::size_t language = 0;  // so many after the configured one
     bool large_print = false;
+    std::size_t story = 0;  // 0: none
     friend bool operator==(const Choice&, const Choice&) = default;
   };
 
   explicit VisitorHand(const Limits& limits) : limits_(limits) {}
   // In the order of time. Events without meaning change nothing.
   void take(const HandEvent& event, Instant now);
+  // How many stories there are to read now: one that is there no longer is closed.
+  void offer_stories(std::size_t count);
   // Lets what moves move, and time pass.
   void step(Instant now);
 
@@ -53,6 +56,7 @@ class VisitorHand {
 
   Limits limits_;
   Choice choice_;
+  std::size_t stories_ = 0;
   bool held_ = false, touching_ = false;
   std::optional<Instant> turned_at_;   // and not let go since
   std::optional<Instant> touched_at_;  // anything; empty: idle

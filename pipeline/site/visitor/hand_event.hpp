@@ -10,8 +10,9 @@ enum class HandKey {
   era,           // the next one
   language,      // the next one
   large_print,   // on, or off again
+  story,         // the next one; after the last none
 };
-constexpr std::size_t kHandKeys = 4;
+constexpr std::size_t kHandKeys = 5;
 
 struct HandEvent {
   enum class Kind {

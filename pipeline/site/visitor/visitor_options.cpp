@@ -114,12 +114,15 @@ std::optional<VisitorOptions> read_visitor(const ConfigTable& root) {
   if (!table) return std::nullopt;
   VisitorOptions options;
   options.devices = read_devices(*table);
-  constexpr std::array<std::string_view, kHandKeys> kNames{"then_and_now", "era", "language", "large_print"};
+  constexpr std::array<std::string_view, kHandKeys> kNames{"then_and_now", "era", "language", "large_print", "story"};
   std::vector<int> taken;
   for (std::size_t i = 0; i < kHandKeys; ++i) options.keys[i] = read_keys(*table, kNames[i], taken);
   options.notch = table->number("notch", {0.005, 0.5}, options.notch);
   options.languages = read_languages(*table);
   options.idle = from_seconds(table->number("idle_s", {5.0, 600.0}, to_seconds(options.idle)));
+  options.left_handed = table->flag("left_handed", options.left_handed);
+  options.seated = table->flag("seated", options.seated);
+  options.pixels_per_degree = table->number("pixels_per_degree", {5.0, 500.0}, options.pixels_per_degree);
   return options;
 }
 

@@ -19,6 +19,8 @@ struct VisitorOptions {
   double notch = 0.05;                             // of the picture's width that a knob's notch wipes
   std::vector<Language> languages;                 // to choose from; empty: all
   Duration idle = std::chrono::seconds(45);        // without a visitor, until everything is as it was
+  bool left_handed = false, seated = false;        // where stories are laid out, as PanelReader has it
+  double pixels_per_degree = 24.0;                 // of the screen, from where it is read
   friend bool operator==(const VisitorOptions&, const VisitorOptions&) = default;
 };
 

@@ -155,7 +155,7 @@ Rig::Rig(RigOptions options)
   options.sky.observe_every = observe_every_;
   if (!options.keep_folder) std::filesystem::remove_all(folder);
   config = write_config(folder, options.clock_policy, options.recording.empty() ? bench_fixture() : options.recording);
-  check(write_text_file(config, read_text_file(config).value() + options.more_config));
+  check(write_text_file(config, options.first_config + read_text_file(config).value() + options.more_config));
   devices.display = options.display;
   auto content = read_content(config);
   if (!content) {

@@ -75,6 +75,7 @@ struct RigOptions {
   std::string clock_policy = "trusted";
   std::filesystem::path recording{};  // of 320 x 180 pixels, instead of the bench's; its frames carry no numbers
   std::string more_config{};          // at the end of kasumi.toml
+  std::string first_config{};         // at its beginning
   bool no_leaves = false;             // what the scene's mask leaves open in part is free
   std::optional<Utc> utc{};           // the machine's time at the start; empty: the recording's
   SkyWatchOptions sky{};

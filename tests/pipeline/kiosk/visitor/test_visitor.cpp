@@ -9,6 +9,8 @@
 
 #include "base/files.hpp"
 #include "pipeline/kiosk/visitor/visitor_presses.hpp"
+#include "pipeline/show/stage/shown_story.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/places.hpp"
@@ -21,7 +23,7 @@ using testing::HasSubstr;
 const std::filesystem::path kPanel = "/dev/input/by-id/usb-Panel-event-kbd";
 constexpr const char* kHand =
     "\n[visitor]\ndevices = [\"/dev/input/by-id/usb-Panel-event-kbd\"]\nthen_and_now = [\"KEY_SPACE\"]\n"
-    "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\n";
+    "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\nstory = [\"KEY_S\"]\n";
 
 struct Kiosk {
   explicit Kiosk(const std::string& name, const std::string& more = {}) {
@@ -146,6 +148,51 @@ TEST(Visitor, AnEraIsChosenAndTheOneOfTheDayComesBack) {
   EXPECT_TRUE(rig.advance_until([&] { return era() == "temple"; }, 60s)) << "without a hand for 45 s";
 }
 
+TEST(Visitor, AStoryIsReadBesideTheBuilding) {
+  const auto folder = test_folder("appliance-visitor-story");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(write_text_file(folder / "content.toml",
+                              "languages = [\"en\", \"de\"]\n[[story]]\nname = \"gate\"\nplace_m = [0, 3, 0]\n"
+                              "title = { en = \"The gate\", de = \"Das Tor\" }\n"
+                              "text = { en = \"Built in 730.\", de = \"Erbaut 730.\" }\n"));
+  Rig rig({.name = "visitor-story",
+           .more_config = kHand,
+           .first_config = "content = \"content.toml\"\n",
+           .keep_folder = true});
+  rig.devices.input.devices[kPanel] = {};
+  rig.advance(12s);
+  const auto tap = [&](int code) {
+    for (const bool down : {true, false}) {
+      rig.devices.input.devices[kPanel].key(code, down);
+      rig.advance(60ms);
+    }
+    rig.advance(4s);  // what a key did is said no longer
+  };
+  const auto plain = rig.picture();
+  tap(KEY_S);
+  const auto english = rig.picture();
+  EXPECT_NE(english.elements(), plain.elements());
+  const auto content = must(read_content(rig.config));
+  const auto building =
+      building_on_screen((*content)->config.installation, *(*content)->model, plain.width(), plain.height());
+  ASSERT_TRUE(building);
+  double over = 0.0;
+  for (int y = 20; y < plain.height(); ++y)
+    for (int x = 0; x < plain.width(); ++x)
+      if (x >= building->left && x < building->left + building->width && y >= building->top &&
+          y < building->top + building->height)
+        over = std::max(over, 1.0 * std::abs(plain.at(x, y).g - english.at(x, y).g));
+  EXPECT_LT(over, 4.0) << "the panel covers the building";
+  tap(KEY_L);
+  EXPECT_NE(rig.picture().elements(), english.elements()) << "in German";
+  tap(KEY_S);
+  EXPECT_LT(difference(rig.picture(), plain, 0, plain.width()), 0.05) << "after the last none";
+  tap(KEY_S);
+  rig.advance(50s);
+  EXPECT_LT(difference(rig.picture(), plain, 0, plain.width()), 0.05) << "the next visitor finds none";
+}
+
 TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
   Kiosk kiosk("presses");
   kiosk.tap(KEY_L);
@@ -154,7 +201,7 @@ TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
   kiosk.rig->advance(2s);
   kiosk.rig->appliance->status().keep();
   const auto text = read_text_file(kiosk.rig->folder / "state" / kPressesFile).value();
-  EXPECT_EQ(text, "hour_utc,then_and_now,era,language,large_print\n2026-06-21T03:00:00Z,0,0,2,1\n");
+  EXPECT_EQ(text, "hour_utc,then_and_now,era,language,large_print,story\n2026-06-21T03:00:00Z,0,0,2,1,0\n");
 }
 
 TEST(Visitor, Row48ADeviceThatIsUnpluggedLetsGoAndComesBack) {

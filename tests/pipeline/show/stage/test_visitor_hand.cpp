@@ -77,11 +77,26 @@ TEST(VisitorHand, ChoosesInTurn) {
   EXPECT_TRUE(at.hand.choice().large_print);
   at.take({Kind::down, HandKey::large_print});
   EXPECT_FALSE(at.hand.choice().large_print);
-  EXPECT_EQ(at.hand.presses(), (std::array<std::uint64_t, kHandKeys>{0, 4, 1, 2}));
+  EXPECT_EQ(at.hand.presses(), (std::array<std::uint64_t, kHandKeys>{0, 4, 1, 2, 0}));
+}
+
+TEST(VisitorHand, ReadsOneStoryAfterTheOther) {
+  Standing at;
+  at.take({Kind::down, HandKey::story});
+  EXPECT_EQ(at.hand.choice().story, 0U) << "there is none";
+  at.hand.offer_stories(2);
+  for (const std::size_t story : {1U, 2U, 0U, 1U, 2U}) {
+    at.take({Kind::down, HandKey::story});
+    EXPECT_EQ(at.hand.choice().story, story);
+  }
+  at.hand.offer_stories(1);
+  EXPECT_EQ(at.hand.choice().story, 0U) << "another era tells less";
 }
 
 TEST(VisitorHand, OneVisitorsChoiceNeverMeetsTheNext) {
   Standing at;
+  at.hand.offer_stories(3);
+  at.take({Kind::down, HandKey::story});
   at.take({Kind::down, HandKey::era});
   at.take({Kind::down, HandKey::language});
   at.take({Kind::down, HandKey::large_print});
@@ -114,6 +129,7 @@ TEST(VisitorHand, ADeviceThatGoesLetsGo) {
 TEST(VisitorHand, TenThousandRandomInputsLeaveItSane) {
   std::mt19937 random(7);
   Standing at;
+  at.hand.offer_stories(4);
   const double values[] = {0.0,
                            1.0,
                            -1.0,
@@ -130,6 +146,7 @@ TEST(VisitorHand, TenThousandRandomInputsLeaveItSane) {
     ASSERT_TRUE(choice.bare >= 0.0 && choice.bare <= 1.0) << choice.bare << " after input " << i;
     ASSERT_LT(choice.era, 3U);
     ASSERT_LT(choice.language, 6U);
+    ASSERT_LE(choice.story, 4U);
     if (i % 1000 != 999) continue;
     auto idle = at;  // nobody comes any more
     idle.bare_after(45s);

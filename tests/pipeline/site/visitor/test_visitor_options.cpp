@@ -25,13 +25,17 @@ TEST(VisitorOptions, AreNoneWithoutTheTable) {
 TEST(VisitorOptions, AreDevicesAndKeys) {
   const auto read = visitor_of(
       "[visitor]\ndevices = [\"/dev/input/by-id/usb-A-event-kbd\"]\nthen_and_now = [\"KEY_SPACE\", \"288\"]\n"
-      "era = [\"KEY_E\"]\nlanguages = [\"de\", \"ja\"]\nidle_s = 60\n");
+      "era = [\"KEY_E\"]\nlanguages = [\"de\", \"ja\"]\nidle_s = 60\n"
+      "story = [\"KEY_S\"]\nleft_handed = true\nseated = true\npixels_per_degree = 30\n");
   ASSERT_EQ(read.problems, "");
   EXPECT_EQ(read.options->devices.size(), 1U);
   EXPECT_EQ(read.options->keys[0], (std::vector<int>{57, 288}));
   EXPECT_EQ(read.options->keys[1], std::vector<int>{18});
   EXPECT_EQ(read.options->languages.size(), 2U);
   EXPECT_EQ(read.options->idle, std::chrono::seconds(60));
+  EXPECT_EQ(read.options->keys[4], std::vector<int>{31});
+  EXPECT_TRUE(read.options->left_handed && read.options->seated);
+  EXPECT_EQ(read.options->pixels_per_degree, 30.0);
 }
 
 TEST(VisitorOptions, NameEachMistake) {

@@ -1,0 +1,39 @@
+// The story that a visitor reads, in its panel beside the building. Laid out anew only when story or screen change.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "gles/picture/flat_picture.hpp"
+#include "pipeline/show/stage/story_panel.hpp"
+#include "pipeline/site/config/content.hpp"
+
+namespace kasumi {
+
+struct StoryView {
+  std::string title, text;  // UTF-8; no text: no story is read
+  std::string language;     // ISO 639
+  PanelReader reader{};
+  friend bool operator==(const StoryView&, const StoryView&) = default;
+};
+
+// The building in the scene camera's picture, as a screen of that size shows it. Empty: outside the picture.
+std::optional<FlatPlace> building_on_screen(const Installation& installation, const Model& model, int width,
+                                            int height);
+
+class ShownStory {
+ public:
+  // A panel that has no room beside the building is left out, and logged once. BLOCKS for as long as the letters take.
+  // Errors: device.
+  Result<> draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target);
+
+ private:
+  void lay_out(GlContext& context, const Content& content, const DrawTarget& target);
+
+  StoryView view_;
+  int width_ = 0, height_ = 0;  // of the target
+  FlatPlace place_;
+  std::optional<FlatPicture> panel_;  // empty: no story, or no room
+};
+
+}  // namespace kasumi
