@@ -128,7 +128,7 @@ struct sampler2D {
 
   vec4 at(int x, int y) const {
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    constexpr float kByte = 1.0F / 255.0F;
+    constexpr float kByte = 1.0F / 255.0F;  // as GL reads 8-bit texels
     const auto* bytes = static_cast<const std::uint8_t*>(texels);
     switch (kind) {
       case Texel::luminance: return {vec3(bytes[i] * kByte), 1.0F};
@@ -256,7 +256,7 @@ Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const PictureText& text) {
 ResponseTables::ResponseTables(const ResponseCurve& given) {
   ResponseCurve response = given;
   if (given.kind != ResponseCurve::Kind::table) {
-    constexpr int kEntries = 4 * (kResponseEntries - 1) + 1;
+    constexpr int kEntries = 4 * (kResponseEntries - 1) + 1;  // 4 between two entries of the texture
     for (auto& table : response.light) {
       table.clear();
       for (int i = 0; i < kEntries; ++i) {
@@ -297,7 +297,7 @@ void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, gl
   text.noise_read2 = three(in.noise.read * in.noise.read);
   const glm::ivec2 noise_first = noise_start(in.noise.pattern % kNoisePatterns);
 
-  constexpr std::uint8_t kAll = 255;
+  constexpr std::uint8_t kAll = 255;  // of a mask
   const Image<std::uint8_t> free(1, 1, kAll);
   text.foreground = in.foreground ? sampler(sampler2D::Texel::luminance_alpha, *in.foreground)
                                   : sampler(sampler2D::Texel::luminance, free);

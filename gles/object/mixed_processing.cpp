@@ -169,7 +169,7 @@ void MixedProcessing::round_block(int left, int top, const Image<glm::u8vec4>& f
   const int last_x = std::min(from.width(), object_.picture.x - part_.left) - 1;
   const int last_y = std::min(from.height(), object_.picture.y - part_.top) - 1;
   const auto pixel = [&](int x, int y) { return from.at(std::min(left + x, last_x), std::min(top + y, last_y)); };
-  constexpr std::size_t kWhole = kBlock_px;
+  constexpr std::size_t kWhole = kBlock_px;  // a side of a block of full resolution
   std::array<std::array<float, kWhole>, kWhole> luma, blue{}, red{};
   for (int y = 0; y < kBlock_px; ++y)
     for (int x = 0; x < kBlock_px; ++x) {

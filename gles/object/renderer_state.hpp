@@ -69,7 +69,7 @@ struct Renderer::State {
   std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
   std::optional<CameraProcessing> processing;
   std::optional<ProcessorMix> mix;  // empty: the GPU mixes
-  double bare = 0.0;  // of the target's width: without the layer
+  double bare = 0.0;                // of the target's width: without the layer
   std::vector<std::string> notes;
 
   bool layer_in_8_bits() const;

@@ -34,9 +34,7 @@ Walls walls_of_page() {
     const std::string cell = match[4];
     for (std::sregex_iterator name(cell.begin(), cell.end(), word), end; name != end; ++name) {
       const std::string beside = folder_of(folder) + "/" + name->str(), within = folder + "/" + name->str();
-      allowed.insert(kMayInclude.contains(beside)              ? beside
-                     : is_room && kMayInclude.contains(within) ? within
-                                                               : name->str());
+      allowed.insert(kMayInclude.contains(beside) ? beside : kMayInclude.contains(within) ? within : name->str());
     }
   }
   return walls;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/files.hpp"
 #include "tests/house/source_files.hpp"
 
 namespace kasumi::house {
@@ -13,8 +14,7 @@ namespace {
 using Names = std::set<std::string>;
 
 std::string sanitizer_rules() {
-  std::ifstream file(source_folder() / "cmake/sanitizers.cmake");
-  return {std::istreambuf_iterator<char>(file), {}};
+  return read_text_file(source_folder() / "cmake/sanitizers.cmake").value();
 }
 
 // The words of the first set(NAME ...), which for KASUMI_NOT_WATCHED is the address sanitizer's.

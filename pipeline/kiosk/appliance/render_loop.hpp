@@ -10,8 +10,8 @@
 #include "pipeline/kiosk/appliance/next_stage.hpp"
 #include "pipeline/kiosk/appliance/screen.hpp"
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
-#include "pipeline/kiosk/visitor/visitor_desk.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
+#include "pipeline/kiosk/visitor/visitor_desk.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
 

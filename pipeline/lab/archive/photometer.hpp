@@ -19,7 +19,7 @@ struct PhotometerReading {
 };
 
 // ln of depth over ln of wavelength at 550 nm: a parabola through all channels from 400 to 900 nm by least squares
-// (Eck et al. 1999), or Angstrom's line through two. Empty: fewer, or none on each side of 550 nm.
+// (Eck 1999), or Angstrom's line through two. Empty: fewer, or none on each side of 550 nm.
 struct ChannelDepth {
   double wavelength_nm = 0.0, aod = 0.0;
 };

@@ -20,7 +20,7 @@ void add_trend(PageText& page, const ArchiveFigures& figures) {
       "<p>Aerosol optical depth at 550 nm changes by {:+.4f} &#177; {:.4f} a year ({:+.1f} % of its mean), by {} "
       "months."
       "</p>\n<p class=\"quiet\">Means over a month of the days' medians, less a season of one and half a year. Sigma "
-      "holds that a month resembles the one before (autocorrelation {:.2f}; Weatherhead et al. 1998). What the camera "
+      "holds that a month resembles the one before (autocorrelation {:.2f}; Weatherhead 1998). What the camera "
       "itself did in these years is in the trend, too: see its drift below.</p>\n{}",
       trend->per_year, trend->sigma, 100.0 * trend->per_year / trend->level, trend->months, trend->autocorrelation,
       plot_trend(months, *trend));

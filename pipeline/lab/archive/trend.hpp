@@ -15,7 +15,7 @@ struct MonthlyValue {
 };
 
 // Least squares of offset, trend and season (a year's wave and half a year's). What is left is taken as autoregressive
-// of first order, as of Weatherhead et al. 1998 (J. Geophys. Res. 103, 17149): without gaps and over many years sigma is
+// of first order, as of Weatherhead 1998 (J. Geophys. Res. 103, 17149): without gaps and over many years sigma is
 // their s (1 + r)^.5 / (1 - r)^.5 / years^1.5 (their eq. 2). Here it is the exact one of this least squares, for the
 // months that are there.
 struct Trend {

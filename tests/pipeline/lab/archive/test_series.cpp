@@ -69,7 +69,7 @@ TEST(Trend, SigmaIsTheScatterOfTrendsUnderAutocorrelation) {
   }
 }
 
-// Weatherhead et al. 1998, equation 2: for many years without gaps.
+// Weatherhead 1998, equation 2: for many years without gaps.
 TEST(Trend, SigmaIsWeatherheadsInALongSeries) {
   MadeSeries made;
   made.months = 360;
@@ -164,7 +164,7 @@ class SeriesPage : public testing::Test {
 TEST_F(SeriesPage, HoldsTrendWeatherPhotometerAndDrift) {
   const ArchiveSummary summary{figures, series, &*photometer, archive};
   const auto page = summary_page(summary);
-  EXPECT_THAT(page, AllOf(HasSubstr("<h2>Trend</h2>"), HasSubstr("Weatherhead et al. 1998"),
+  EXPECT_THAT(page, AllOf(HasSubstr("<h2>Trend</h2>"), HasSubstr("Weatherhead 1998"),
                           HasSubstr("<h2>Gaps by weather</h2>"), HasSubstr("2026-02: 3.10"),
                           HasSubstr("degrees between the sun seen"), HasSubstr("bias +0.020, RMSE 0.024")));
   const auto json = nlohmann::json::parse(summary_json(summary));

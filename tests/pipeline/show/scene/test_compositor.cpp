@@ -127,8 +127,8 @@ TEST_F(Compositors, ShowTheBarePictureLeftOfTheWipeAndThePlainOneRightOfIt) {
   const auto bare = drawn_again(compositor);
   EXPECT_NE(plain.elements(), bare.elements()) << "there is no building";
   EXPECT_EQ(bare.elements(), picture_of([&](const DrawTarget& target) {
-                               return make().draw_without_object(decode(frame, installation_.scene.yuv_encoding).value(),
-                                                                 target);
+                               return make().draw_without_object(
+                                   decode(frame, installation_.scene.yuv_encoding).value(), target);
                              }).elements());
   for (const double share : {0.25, 0.5, 0.75}) {
     compositor.set_bare(share);

@@ -9,8 +9,8 @@
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_times.hpp"
 #include "tests/pipeline/recorded.hpp"
-#include "tests/places.hpp"
 #include "tests/pipeline/site/files/packed.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
