@@ -78,6 +78,7 @@ void Composite::take(const ObjectLayer& layer, const SceneView& view, const Imag
   mesh_ = {};
   part_ = {};
   finished_.clear();
+  for_processor_.clear();
 }
 
 std::vector<PixelBox> Composite::changed() const {
@@ -211,18 +212,31 @@ Result<> Composite::finish(Programs& programs, const CameraFrame& frame, const P
 Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, const CameraFrame& frame,
                                                             const ObjectLayer& layer, const AirlightGrid& measured,
                                                             const SensorNoise& noise, const GlInfo& info) {
-  const PictureOnTarget shown(covered_, frame.camera.width, frame.camera.height);
-  if (auto done = finish(programs, frame, shown, layer, measured, noise, info); !done) return fail(done.error());
-  if (frame.passers || mesh_.mesh->empty(PictureArea::covered)) return nullptr;
-  if (is_finished_) return finished_.read();
+  if (frame.passers || fully_covered_.empty()) return nullptr;
+  // The camera has no part in these pixels, but edges are drawn by another program than covered rectangles. Texture 0
+  // stands for the camera's picture: black.
+  const CameraTextures none{CameraTextures::Source::uploaded,
+                            PixelLayout::rgb8,
+                            YuvEncoding::bt601_full,
+                            frame.camera.width,
+                            frame.camera.height,
+                            {}};
+  const CameraFrame alone{none, frame.response, frame.dither};
+  const PictureOnTarget shown(covered_, none.width, none.height);
+  const auto draw_covered = [&]() -> Result<> {
+    for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
+      if (auto drawn = draw_area(area, nullptr, {}, programs, alone, shown, layer, measured, noise, nullptr); !drawn)
+        return drawn;
+    return {};
+  };
+  const auto found = for_processor_.find(shown, covered_, {measured, noise}, info, draw_covered);
+  if (!found) return fail(found.error());
+  if (*found) return for_processor_.read();
   const int width = covered_.right - covered_.left, height = covered_.bottom - covered_.top;
   const auto buffer = LayerBuffer::create(width, height, true, info, "the object's pixels");
   if (!buffer) return fail(buffer.error());
   glViewport(shown.box.x, shown.box.y, shown.box.width, shown.box.height);
-  if (auto drawn =
-          draw_area(PictureArea::covered, nullptr, {}, programs, frame, shown, layer, measured, noise, nullptr);
-      !drawn)
-    return fail(drawn.error());
+  if (auto drawn = draw_covered(); !drawn) return fail(drawn.error());
   auto pixels = read_pixels(*buffer, width, height);
   if (!pixels) return fail(pixels.error());
   not_kept_ = std::move(*pixels);

@@ -42,8 +42,12 @@ class Composite {
     fully_covered_.clear();
     is_left_open_ = false;
     finished_.clear();
+    for_processor_.clear();
   }
-  void change_response() { finished_.clear(); }
+  void change_response() {
+    finished_.clear();
+    for_processor_.clear();
+  }
   PixelBox covered() const { return covered_; }  // the pixels that the layer changes lie in it
   std::vector<PixelBox> changed() const;         // and in these rectangles
   // The pixels in which nothing else is to be seen, a rectangle for each run of a row.
@@ -55,8 +59,8 @@ class Composite {
   // another framebuffer.
   Result<> finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                   const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
-  // What draw() shows where the object covers the picture fully, of covered(), for the processor to mix; null: nowhere.
-  // It is drawn only when finish() would. Errors: device.
+  // What draw() shows in fully_covered(), an image of covered(), for the processor to mix; null: nowhere. It is drawn
+  // only when its look changes. Errors: device.
   Result<const Image<glm::u8vec4>*> covered_pixels(Programs& programs, const CameraFrame& frame,
                                                    const ObjectLayer& layer, const AirlightGrid& measured,
                                                    const SensorNoise& noise, const GlInfo& info);
@@ -111,10 +115,10 @@ class Composite {
   Part part_;                         // drawn last; without boxes: none
   std::optional<PictureMesh> whole_;  // the same without a layer
   glm::ivec2 whole_size_{};
-  FinishedPixels finished_;
-  bool is_finished_ = false;     // for the picture to be drawn
-  Image<glm::u8vec4> not_kept_;  // covered_pixels() of a look that has just changed
-  GlTexture noise_;              // created with the first frame that needs it
+  FinishedPixels finished_, for_processor_;  // the latter with the edges' covered pixels
+  bool is_finished_ = false;                 // for the picture to be drawn
+  Image<glm::u8vec4> not_kept_;              // covered_pixels() of a look that has just changed
+  GlTexture noise_;                          // created with the first frame that needs it
 };
 
 }  // namespace kasumi

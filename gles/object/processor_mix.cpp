@@ -48,8 +48,7 @@ const Image<glm::u8vec4>& ProcessorMix::mix(const Parts& parts) {
   }
   mix_edges(inputs, edges, {0, 0}, picture_);
   if (parts.covered)
-    copy_pixels(parts.composite.rectangles(PictureArea::covered), *parts.covered, corner(parts.composite.covered()),
-                picture_, {0, 0});
+    copy_pixels(parts.composite.fully_covered(), *parts.covered, corner(parts.composite.covered()), picture_, {0, 0});
   return picture_;
 }
 
@@ -68,8 +67,7 @@ void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, c
                    [](const glm::u8vec4& seen) { return glm::u8vec4(seen.x, seen.y, seen.z, 0); });
   mix_edges(inputs, edges, first, composite_);
   if (parts.covered)
-    copy_pixels(parts.composite.rectangles(PictureArea::covered), *parts.covered, corner(parts.composite.covered()),
-                composite_, first);
+    copy_pixels(parts.composite.fully_covered(), *parts.covered, corner(parts.composite.covered()), composite_, first);
   processing_->apply(picture_, composite_);
   for (const PixelBox& box : object.changed)
     for (int y = box.top; y < box.bottom; ++y)
