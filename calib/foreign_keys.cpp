@@ -8,10 +8,10 @@ namespace kasumi {
 namespace {
 
 // Of a fixture's description, and of a kiosk's configuration.
-constexpr std::array kRoot{"calibration", "format", "name",  "description", "licence", "provenance",
-                           "start_utc",   "site",   "sky",   "scene",       "object",  "landmarks",
-                           "display",     "still",  "words", "clock",       "opening", "check",
-                           "ladder",      "state",  "heat",  "snapshot",    "era",     "cards"};
+constexpr std::array kRoot{"calibration", "format", "name",    "description", "licence",   "provenance", "start_utc",
+                           "site",        "sky",    "scene",   "object",      "landmarks", "display",    "still",
+                           "words",       "clock",  "opening", "check",       "ladder",    "state",      "heat",
+                           "snapshot",    "era",    "cards",   "content",     "visitor"};
 
 // Keys that the readers of site, camera and landmark contrast leave to others.
 const std::map<std::string_view, std::vector<std::string_view>>& shared_tables() {

@@ -171,6 +171,7 @@ struct PictureText {
   const PictureView* camera_planes = nullptr;
   YuvToRgb camera_matrix;
   const ResponseTables* response_of_camera = nullptr;
+  bool something_in_front = false;  // else each pixel of the layer changes the picture, as without MATTE and IN_FRONT
   vec4 gl_FragColor;
 
   vec3 camera_at(vec2 place) const {
@@ -297,6 +298,7 @@ void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, gl
   text.noise_read2 = three(in.noise.read * in.noise.read);
   const glm::ivec2 noise_first = noise_start(in.noise.pattern % kNoisePatterns);
 
+  text.something_in_front = in.foreground || in.passers;
   constexpr std::uint8_t kAll = 255;  // of a mask
   const Image<std::uint8_t> free(1, 1, kAll);
   text.foreground = in.foreground ? sampler(sampler2D::Texel::luminance_alpha, *in.foreground)
