@@ -89,7 +89,8 @@ Result<> check_planes(const PictureView& picture) {
   Problems problems;
   if (picture.width < 1 || picture.height < 1)
     problems.add("camera picture: {} x {} pixels: expected at least 1 x 1", picture.width, picture.height);
-  for (int i = 0; i < plane_count(picture.layout) && problems.empty(); ++i) {
+  if (!problems.empty()) return fail(problems.fault());
+  for (int i = 0; i < plane_count(picture.layout); ++i) {
     const Plane& plane = picture.planes[static_cast<std::size_t>(i)];
     const PlaneSize size = plane_size(picture.layout, picture.width, picture.height, i);
     if (plane.data == nullptr) problems.add("camera picture ({}): plane {} is missing", name_of(picture.layout), i);
