@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cstring>
 
+#include "base/fits_header.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -188,10 +190,17 @@ std::optional<PictureHeader> text_header(HeaderBytes file) {
   return text.starts_with('P') ? pnm_header(text) : std::nullopt;
 }
 
+std::optional<PictureHeader> fits_header(HeaderBytes file) {
+  if (!is_fits(file)) return std::nullopt;
+  const auto side = [&](const char* keyword) { return number_of(fits_value(file, keyword).value_or("")); };
+  return PictureHeader{"FITS", side("NAXIS1"), side("NAXIS2")};
+}
+
 }  // namespace
 
 std::optional<PictureHeader> picture_header(std::span<const std::uint8_t> file) {
-  for (const auto read : {png_header, jpeg_header, tiff_header, exr_header, bmp_header, webp_header, text_header})
+  for (const auto read :
+       {png_header, jpeg_header, tiff_header, exr_header, bmp_header, webp_header, fits_header, text_header})
     if (auto header = read(file)) return header;
   return std::nullopt;
 }

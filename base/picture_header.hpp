@@ -12,7 +12,7 @@
 namespace kasumi {
 
 struct PictureHeader {
-  std::string_view format;  // "PNG", "JPEG", "TIFF", "PNM", "PFM", "EXR", "HDR", "BMP", "WebP"
+  std::string_view format;  // "PNG", "JPEG", "TIFF", "PNM", "PFM", "EXR", "HDR", "BMP", "WebP", "FITS"
   std::int64_t width = 0, height = 0;
   std::int64_t tile_pixels = 0;  // of one tile or strip of a TIFF: it is decoded as a whole
 

@@ -5,8 +5,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "base/fits_header.hpp"
 #include "base/picture_files/colour_profile.hpp"
 #include "base/picture_files/exr_channels.hpp"
+#include "base/picture_files/fits_picture.hpp"
 #include "base/picture_files/rare_files.hpp"
 
 namespace kasumi {
@@ -49,6 +51,7 @@ std::unique_ptr<Base> opened(const Arguments&... arguments) {
 class OpenCvFiles final : public RareFiles {
  public:
   cv::Mat decode(std::span<const std::uint8_t> file) const override {
+    if (is_fits(file)) return read_fits(file);
     // OpenCV only reads from it.
     const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
     return cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);

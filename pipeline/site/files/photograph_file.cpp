@@ -39,7 +39,7 @@ Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* 
     image = std::move(*decoded);
   }
   if (image.picture.empty())
-    return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF or PNM)",
+    return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF, PNM or FITS)",
                 path.string());
   // Decoders make grey of what is missing, without a word.
   if (damage) damage->clear();

@@ -9,6 +9,8 @@
 
 #include "base/c_ptr.hpp"
 #include "base/finite_number.hpp"
+#include "base/fits_header.hpp"
+#include "base/utc_text.hpp"
 #include "pipeline/site/files/archive_members.hpp"
 
 namespace kasumi {
@@ -53,15 +55,17 @@ std::optional<double> offset_of(const std::string& text) {
   return (text[0] == '-' ? -1.0 : 1.0) * (*hours + *minutes / 60.0);
 }
 
-std::optional<Utc> by_exif(const std::filesystem::path& file, double offset_h) {
-  const auto member = archive_member(file);
-  const auto bytes =
-      member ? read_picture_bytes(file).value_or(std::vector<std::uint8_t>()) : std::vector<std::uint8_t>();
-  const ExifPtr data(member ? exif_data_new_from_data(bytes.data(), static_cast<unsigned int>(bytes.size()))
-                            : exif_data_new_from_file(file.c_str()));
+std::optional<Utc> by_exif(const std::vector<std::uint8_t>& file, double offset_h) {
+  const ExifPtr data(exif_data_new_from_data(file.data(), static_cast<unsigned int>(file.size())));
   if (!data) return std::nullopt;
   const auto own = offset_of(entry_of(*data, EXIF_TAG_OFFSET_TIME_ORIGINAL));
   return parse(entry_of(*data, EXIF_TAG_DATE_TIME_ORIGINAL), kExif, own.value_or(offset_h));
+}
+
+// UTC, as the standard has it.
+std::optional<Utc> by_fits(const std::vector<std::uint8_t>& file) {
+  const auto begin = fits_value(file, "DATE-OBS");
+  return begin ? parse_utc(*begin + "Z") : std::nullopt;
 }
 
 }  // namespace
@@ -73,7 +77,9 @@ std::optional<Utc> picture_time(const std::filesystem::path& file, const Picture
     return parse(with_folders ? file.string() : name, times.format.c_str(), times.utc_offset_h);
   for (const char* usual : kUsual)
     if (const auto utc = parse(name, usual, times.utc_offset_h)) return utc;
-  return by_exif(file, times.utc_offset_h);
+  const auto bytes = read_picture_bytes(file);
+  if (!bytes) return std::nullopt;
+  return is_fits(*bytes) ? by_fits(*bytes) : by_exif(*bytes, times.utc_offset_h);
 }
 
 }  // namespace kasumi
