@@ -7,6 +7,7 @@
 #include "history/history_ring.hpp"
 #include "report/page/state_page.hpp"
 #include "report/status/symptom_words.hpp"
+#include "tests/browser.hpp"
 #include "tests/report/running_reporter.hpp"
 
 namespace kasumi::report {
@@ -162,20 +163,10 @@ TEST(StatePages, AreServedWithTheirStyleAndNoScript) {
 #endif
 }
 
-// Chromium without a screen, looking at a file of this folder.
-std::string browser(const std::filesystem::path& folder, const std::string& how, const std::string& page_and_output) {
-  return fmt::format(
-      "timeout 60 chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
-      "--disable-component-update --disable-sync --hide-scrollbars --allow-file-access-from-files "
-      "--user-data-dir={0}/profile {1} file://{0}/{2} 2> {0}/browser.log",
-      folder.string(), how, fmt::format(fmt::runtime(page_and_output), folder.string()));
-}
-
 // In a real browser, at a telephone's width, with axe-core's rules for WCAG 2.2 AA.
 TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
-  const auto axe = source_folder() / "build/browser/node_modules/axe-core/axe.min.js";
   if (!is_installed("chromium")) GTEST_SKIP() << "chromium is not installed";
-  if (!std::filesystem::exists(axe)) GTEST_SKIP() << "axe-core is not there: ./bootstrap browser";
+  if (!std::filesystem::exists(axe_core())) GTEST_SKIP() << "axe-core is not there: ./bootstrap browser";
   const auto reporter = with_a_day("browser", "screen_picture = true\n");
   const auto lost = changed(kLostStatus, "\"pid\"", "\"screen_picture\": {\"allowed\": true, \"taken\": 1}, \"pid\"");
   for (const Language language : all_languages()) {
@@ -188,25 +179,8 @@ TEST(StatePages, ABrowserFindsThemAccessibleAndNarrowEnough) {
     html.erase(0, html.find("\r\n\r\n") + 4);
     html =
         changed(html, "<link rel=\"stylesheet\" href=\"style.css\">", fmt::format("<style>{}</style>", page_style()));
-    html = changed(
-        html, "</body>",
-        fmt::format(
-            "<script src=\"file://{}\"></script><script>axe.run(document, {{runOnly: ['wcag2a', 'wcag2aa', 'wcag21aa', "
-            "'wcag22aa', "
-            "'best-practice']}}).then(r => {{ document.documentElement.innerHTML = '<pre>RESULT' + "
-            "JSON.stringify({{passes: r.passes.length, "
-            "wide: document.documentElement.scrollWidth - innerWidth, violations: r.violations.map(v => v.id + ': ' + "
-            "v.nodes.map(n => n.target).join(' '))}}) + 'END</pre>'; }});</script></body>",
-            axe.string()));
-    const auto file = reporter->folder / "page.html";
-    ASSERT_TRUE(write_text_file(file, html));
-    const auto command = browser(reporter->folder, "--window-size=500,900 --virtual-time-budget=10000 --dump-dom",
-                                 "page.html > {0}/dom.html");
-    ASSERT_EQ(std::system(command.c_str()), 0) << read_text_file(reporter->folder / "browser.log").value_or("");
-    const auto dom = read_text_file(reporter->folder / "dom.html").value();
-    const auto from = dom.find("RESULT"), to = dom.find("END</pre>");
-    ASSERT_NE(from, std::string::npos) << dom.substr(0, 400);
-    const auto result = nlohmann::json::parse(dom.substr(from + 6, to - from - 6));
+    const auto result = seen_by_axe(reporter->folder, html);
+    ASSERT_TRUE(result.is_object());
     EXPECT_GT(result["passes"], 20) << "the rules did not run";
     EXPECT_EQ(result["violations"].dump(), "[]") << code_of(language);
     EXPECT_LE(result["wide"], 0) << "it must not scroll sideways";
