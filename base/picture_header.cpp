@@ -212,6 +212,9 @@ Result<> check_size(const PictureHeader& header, const PictureLimits& limits) {
   if (sane && width * height <= limits.pixels)
     return fail(FaultKind::bad_input, "a {} in tiles of {:.0f} million pixels: expected {:.0f} million at most",
                 header.format, static_cast<double>(header.tile_pixels) / 1e6, static_cast<double>(limits.pixels) / 1e6);
+  if (header.format == "FITS" && width == 0 && height == 0)  // so begin those that fpack made
+    return fail(FaultKind::bad_input,
+                "a FITS of NAXIS = 0 in its first header: expected a picture there, uncompressed (funpack)");
   return fail(FaultKind::bad_input, "a {} of {} x {} pixels: expected 1 .. {} each way and {:.0f} million at most",
               header.format, width, height, limits.side_px, static_cast<double>(limits.pixels) / 1e6);
 }

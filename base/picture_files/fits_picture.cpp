@@ -43,17 +43,24 @@ class FitsImage {
     check(status);
     if (axes < 2 || axes > 3 || (axes == 3 && sides[2] != 1 && sides[2] != 3))
       refuse(
-          fmt::format("a FITS of {} axes, the third of {}: expected one picture, or three planes in the first "
+          fmt::format("a FITS of NAXIS = {}, NAXIS3 = {}, expected one picture, or three planes in the first "
                       "header (of a compressed one, what funpack makes of it)",
                       axes, axes > 2 ? sides[2] : 0));
     const auto& most = kPhotographLimits;
     if (std::min(sides[0], sides[1]) < 1 || std::max(sides[0], sides[1]) > most.side_px ||
         sides[0] * sides[1] > most.pixels)
-      refuse(fmt::format("a FITS of {} x {} pixels", sides[0], sides[1]));
+      refuse(
+          fmt::format("a FITS of NAXIS1 = {}, NAXIS2 = {}, expected 1 .. {} each", sides[0], sides[1], most.side_px));
     width_ = static_cast<int>(sides[0]), height_ = static_cast<int>(sides[1]), planes_ = static_cast<int>(sides[2]);
-    const auto needed = std::int64_t{std::abs(bits_)} / 8 * width_ * height_ * planes_;
-    if (needed > static_cast<std::int64_t>(bytes.size()))
-      refuse(fmt::format("a FITS of {} x {} pixels that ends after {} bytes", width_, height_, bytes.size()));
+    // cfitsio reads zeros where a file ends early.
+    LONGLONG begin = 0;
+    fits_get_hduaddrll(file, nullptr, &begin, nullptr, &status);
+    check(status);
+    const auto end = begin + std::int64_t{std::abs(bits_)} / 8 * width_ * height_ * planes_;
+    if (end > static_cast<std::int64_t>(bytes.size()))
+      refuse(
+          fmt::format("a FITS of NAXIS1 = {}, NAXIS2 = {}, BITPIX = {} that ends after {} bytes, expected {} at least",
+                      width_, height_, bits_, bytes.size(), end));
   }
 
   int planes() const { return planes_; }

@@ -1,4 +1,4 @@
-// When a picture was taken, by its name its EXIF data or its FITS header.
+// When a picture was taken, by its name, its EXIF data or its FITS header.
 #pragma once
 
 #include <filesystem>
