@@ -1,6 +1,6 @@
-// Films, and the picture formats that the appliance does not need: TIFF, EXR, HDR, WebP, PNM, FITS. OpenCV reads
-// and writes them by some two hundred libraries, so they stand in a module beside the program, which is loaded when the first such
-// file is asked for.
+// Films, and the picture formats that the appliance does not need: TIFF, EXR, HDR, WebP, PNM, FITS. OpenCV reads and
+// writes them by some two hundred libraries, so they stand in a module beside the program, which is loaded when the
+// first such file is asked for.
 #pragma once
 
 #include <cstdint>

@@ -9,11 +9,11 @@
 
 namespace kasumi {
 
-// A file, or a member of an archive (archive_members.hpp): PNG, JPEG; by the module of base/picture_files TIFF, PNM, EXR (where OpenCV was
-// built with it), FITS (light, made sRGB); grey becomes R = G =
-// B. Turned as EXIF says, an ICC profile's colours made sRGB: as a viewer shows it
-// (base/picture_files/seen_picture.hpp), and as a calibration must refer to it. Errors: bad_input. A JPEG of which a
-// part is missing is refused, unless `damage` is given, which receives what is wrong with it (empty: nothing).
+// A file, or a member of an archive (archive_members.hpp): PNG, JPEG; by the module of base/picture_files TIFF, PNM,
+// EXR (where OpenCV was built with it), FITS (light, made sRGB); grey becomes R = G = B. Turned as EXIF says, an ICC
+// profile's colours made sRGB: as a viewer shows it (base/picture_files/seen_picture.hpp), and as a calibration must
+// refer to it. Errors: bad_input. A JPEG of which a part is missing is refused, unless `damage` is given, which
+// receives what is wrong with it (empty: nothing).
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr);
 
 // By the name's extension: PNG, TIFF (16 bits when the quantum is finer than 1/255, else 8), JPEG (8). PNG and
