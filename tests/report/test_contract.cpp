@@ -108,6 +108,7 @@ TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
   status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
   status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};
   status.start.emplace();
+  status.render.visitor.emplace().presses.fill(2);
   const auto json = nlohmann::json::parse(status_json(status));
   const auto seen = told(status);
   const auto written = [&](std::string key) -> nlohmann::json {
