@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "base/finite_options.hpp"
+#include "base/manual/finite_options.hpp"
 
 namespace kasumi {
 

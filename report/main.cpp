@@ -10,7 +10,7 @@
 #include <systemd/sd-daemon.h>
 #include <CLI/CLI.hpp>
 
-#include "base/finite_options.hpp"
+#include "base/manual/finite_options.hpp"
 #include "base/manual/manual.hpp"
 #include "report/page/tokens.hpp"
 #include "report/reporter.hpp"

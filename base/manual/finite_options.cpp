@@ -1,4 +1,4 @@
-#include "base/finite_options.hpp"
+#include "base/manual/finite_options.hpp"
 
 #include <cmath>
 #include <cstdlib>
