@@ -11,10 +11,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
+std::filesystem::path new_folder(const std::string& name) {
+  const auto folder = test_folder(name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
 constexpr Utc kPressedAt = std::chrono::sys_days{std::chrono::June / 21 / 2026} + 12h;
 
 TEST(VisitorPresses, AreAddedByHourAndKeptForThirteenMonths) {
-  const auto file = test_folder("visitor-presses") / kPressesFile;
+  const auto file = new_folder("visitor-presses") / kPressesFile;
   ASSERT_TRUE(add_presses(file, {{kPressedAt, {1, 0, 2, 0, 0}}}, kPressedAt + 5min));
   ASSERT_TRUE(
       add_presses(file, {{kPressedAt, {1, 1, 0, 0, 0}}, {kPressedAt + 1h, {0, 0, 0, 3, 0}}}, kPressedAt + 65min));
@@ -27,7 +34,7 @@ TEST(VisitorPresses, AreAddedByHourAndKeptForThirteenMonths) {
 }
 
 TEST(VisitorPresses, AFileThatIsNoneBeginsAnew) {
-  const auto file = test_folder("visitor-presses-damaged") / kPressesFile;
+  const auto file = new_folder("visitor-presses-damaged") / kPressesFile;
   ASSERT_TRUE(write_text_file(file,
                               "hour_utc\n2026-06-21T12:00:00Z,1,2,3,4\n2026-06-21T12:30:00Z,1,2,3,4,5\n,,,,,\n"
                               "2026-06-21T11:00:00Z,1,2,3,4,99999999999999999999\n2026-06-21T10:00:00Z,1,2,3,4,-5\n"
