@@ -116,7 +116,7 @@ class Renderer {
   // without it pass unchanged. Errors: bad_input (grid, noise), device.
   Result<> draw(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise = {});
   // From the next draw() on, so much of the target's width, from its left edge on, shows the camera's picture alone:
-  // 0..1, and 0 until this is called. Costs no more than the plain picture: no pixel is drawn twice.
+  // 0..1, and 0 until this is called. The GPU draws no pixel twice; where the processor mixes, both pictures are uploaded.
   void set_bare(double share);
 
   // Whether the processor mixes the pictures (RendererOptions::mixing); draw() then only shows what it has mixed. The
