@@ -60,7 +60,7 @@ ThisMachine this_machine() {
 StatusWatch::Age StatusWatch::age_of(const ToldStatus& status) const {
   Age age{clock_.now() - *changed_, false};
   if (status.boot.empty() || !status.values["since_boot_s"]) return age;
-  if (status.boot != machine_.boot) return {kStopPassesBy + kSilent, true};
+  if (!machine_.boot.empty() && status.boot != machine_.boot) return {kStopPassesBy + kSilent, true};
   const auto since = from_seconds(std::clamp(machine_.since_boot_s() - *status.values["since_boot_s"], 0.0, 1e9));
   age.gone = status.values["pid"] && !machine_.runs(*status.values["pid"]);
   age.silent = std::max<Duration>(age.silent, since);

@@ -40,7 +40,7 @@ Result<std::string> read_distrusted_file(const std::filesystem::path& path, std:
 // What this machine says of time and processes, so that a first look already knows how old a status is. Tests substitute
 // their own.
 struct ThisMachine {
-  std::string boot;
+  std::string boot;  // empty: unknown, as under the reporter's unit, which sees processes in /proc and nothing else
   std::function<double()> since_boot_s;
   std::function<bool(double pid)> runs;
 };

@@ -49,8 +49,9 @@ TEST_F(StatusWatches, AFileThatChangesIsHeard) {
 struct KnownMachine {
   double since_boot_s = 5000.0;
   bool runs = true;
+  std::string boot = "this-boot";
   ThisMachine machine() {
-    return {"this-boot", [this] { return since_boot_s; }, [this](double) { return runs; }};
+    return {boot, [this] { return since_boot_s; }, [this](double) { return runs; }};
   }
 };
 
@@ -79,6 +80,19 @@ TEST_F(StatusWatches, Row45AFirstLookKnowsHowOldItIs) {
   clock.advance(24h);
   write(told_at(5037.0));
   EXPECT_EQ(first().contact, Contact::heard) << "whatever the clock was set to";
+}
+
+// The reporter's unit hides /proc/sys from it (ProcSubset=pid).
+TEST_F(StatusWatches, Row45AMachineThatDoesNotNameItsBootKnowsTheAgeAllTheSame) {
+  KnownMachine known{.boot = ""};
+  const auto first = [&] { return StatusWatch(file, clock, known.machine()).look(); };
+  write(told_at(4999.0));
+  EXPECT_EQ(first().contact, Contact::heard);
+  known.since_boot_s = 5038.0;
+  EXPECT_EQ(first().contact, Contact::silent) << "hung";
+  known.since_boot_s = 5006.0;
+  known.runs = false;
+  EXPECT_EQ(first().contact, Contact::silent) << "killed";
 }
 
 TEST_F(StatusWatches, Row45AStopOnPurposeIsNoFaultForTenMinutes) {
