@@ -25,7 +25,9 @@ struct MqttPatience {
   Duration longest_wait = std::chrono::minutes(2);  // as the wait grows
   Duration silence = std::chrono::seconds(30);      // until a broker that does not answer is left
   Duration birth_pause = std::chrono::seconds(5);   // Home Assistant begins more rarely
-  Duration settled = std::chrono::minutes(1);       // a connection that lasted so long ends the doubling of waits
+  // A connection that lasted so long ends the doubling of waits. Longer than two of the longest: another client of our
+  // name comes back after one, and is still the same dispute.
+  Duration settled = std::chrono::minutes(5);
 };
 
 class MqttChannel {

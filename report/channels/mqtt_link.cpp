@@ -15,6 +15,9 @@ constexpr auto kConnecting = 20s;  // look-up, connection and TLS
 constexpr auto kLook = 20ms;       // between looks while connecting
 constexpr int kKeepalive_s = 30;   // the broker tells the last will after one and a half of it
 constexpr auto kPing = 20s;        // of silence of our own
+// In one go. A broker confirms some sixty messages of discovery with four bytes each; one that never ends would keep us
+// reading for ever.
+constexpr std::size_t kMostAtOnce = 4096;
 
 // Packets by their first byte, MQTT 3.1.1.
 constexpr unsigned char kConnect = 0x10, kConnack = 0x20, kPublish = 0x30, kPuback = 0x40, kSubscribe = 0x82,
@@ -123,11 +126,12 @@ Result<> MqttLink::exchange() {
     if (*sent == 0) break;
     going_.erase(0, *sent);
   }
-  for (;;) {
+  for (std::size_t all = 0;;) {
     std::array<char, 512> bytes;
     const auto came = request_.receive(bytes);
     if (!came) return fail(came.error());
     if (*came == 0) return {};
+    if ((all += *came) > kMostAtOnce) return no_mqtt(fmt::format("more than {} bytes at once", kMostAtOnce));
     coming_.append(bytes.data(), *came);
     for (;;) {
       const auto taken = take_packet();

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "report/channels/mqtt_channel.hpp"
-#include "tests/report/running_reporter.hpp"
+#include "tests/report/mqtt_broker.hpp"
 
 namespace kasumi::report {
 namespace {
@@ -82,23 +82,28 @@ double memory_kb() {
 }
 
 // How a connection ends to a broker that welcomes us and then says this, again and again where it is `endless`.
-std::string end_of(const std::string& said, bool endless) {
+std::string end_of(const std::string& said, bool endless, bool listens = false) {
   FakeBroker broker([&](FakeBroker& self, int client) {
     FakeBroker::hear(client, 2000);
     FakeBroker::say(client, kWelcome);
+    if (listens) FakeBroker::hear(client, 2000);
     while (FakeBroker::say(client, said) && endless && !self.ending) {
     }
     FakeBroker::hear(client, 2000);
   });
   [[maybe_unused]] const double before_kb = memory_kb();
   MqttLink link(broker.options, "hill", {});
-  for (const auto until = std::chrono::steady_clock::now() + 10s; std::chrono::steady_clock::now() < until;)
-    if (const auto turned = link.turn(50ms); !turned) {
+  for (const auto until = std::chrono::steady_clock::now() + 10s; std::chrono::steady_clock::now() < until;) {
+    const bool welcome = link.answer().has_value();
+    const auto turned = link.turn(50ms);
+    if (listens && !welcome && link.answer()) link.listen_for_birth("homeassistant");
+    if (!turned) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
       EXPECT_LT(memory_kb(), before_kb + 2048);
 #endif
       return turned.error().message;
     }
+  }
   return "it never ended";
 }
 
@@ -114,6 +119,13 @@ TEST(MqttLink, Row42ABrokerThatTellsMoreThanItHasToIsLeft) {
                                  7),
                      false),
               HasSubstr("nobody asked for"));
+}
+
+// What was asked for, and without end: it would be read for ever, and no state told.
+TEST(MqttLink, Row42AnEndlessBirthEndsIt) {
+  std::string births;
+  for (int i = 0; i < 1000; ++i) births += std::string("\x30\x1c\x00\x14", 4) + "homeassistant/status" + "online";
+  EXPECT_THAT(end_of(births, true, true), HasSubstr("more than 4096 bytes at once"));
 }
 
 TEST(MqttLink, Row42RandomBytesEndIt) {
@@ -145,6 +157,33 @@ TEST(MqttChannel, Row43AnotherClientOfTheSameNameIsNamedOnceAndGivenRoom) {
   const auto log = testing::internal::GetCapturedStderr();
   EXPECT_THAT(log, HasSubstr("another client uses the topic kasumi/hill"));
   EXPECT_EQ(log.find("another client"), log.rfind("another client"));
+}
+
+// Whoever waits ends the other's connection when it comes back: for hours, without a word in either log.
+TEST(MqttChannel, Row43TwoOfOneNameDisputeInSilenceHoweverLong) {
+  if (!has_mosquitto()) GTEST_SKIP() << "mosquitto is not installed (packages mosquitto, mosquitto-clients)";
+  const MqttBroker broker(report_folder("mqtt-dispute-broker"));
+  MqttOptions options;
+  options.host = "127.0.0.1";
+  options.port = broker.port;
+  options.tls = false;
+  options.topic = "kasumi/hill";
+  MqttPatience patience;  // as shipped, three hundred times as fast
+  for (Duration* wait : {&patience.longest_wait, &patience.settled}) *wait /= 300;
+  patience.first_wait = 20ms;
+  SystemClock clock;
+  testing::internal::CaptureStderr();
+  MqttChannel one(options, "Hill", Language::english, clock, patience),
+      other(options, "Hill", Language::english, clock, patience);
+  std::this_thread::sleep_for(3s);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("another client uses the topic kasumi/hill"));
+  testing::internal::CaptureStderr();
+  std::this_thread::sleep_for(4s);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  bool connected = false;
+  for (int i = 0; i < 100 && !connected; ++i, std::this_thread::sleep_for(20ms))
+    connected = one.connected() || other.connected();
+  EXPECT_TRUE(connected);
 }
 
 // Home Assistant forgets what it was told when it starts; then it says so.
