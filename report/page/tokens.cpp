@@ -116,10 +116,10 @@ bool Tokens::may_look(const std::string& address) {
     looked_.clear();
     looked_at_all_ = 0;
   }
-  if (looked_.size() >= kMostAddresses && !looked_.contains(address)) return false;
+  const bool is_friend = std::ranges::find(friends_, address) != friends_.end();
+  if (!is_friend && looked_.size() >= kMostAddresses && !looked_.contains(address)) return false;
   if (looked_[address]++ >= kGuessesPerSecond) return false;
-  if (std::ranges::find(friends_, address) != friends_.end()) return true;
-  return looked_at_all_++ < kStrangersGuessesPerSecond;
+  return is_friend || looked_at_all_++ < kStrangersGuessesPerSecond;
 }
 
 bool Tokens::is_valid(const TokenOptions& option) const {
