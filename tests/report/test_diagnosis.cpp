@@ -113,6 +113,16 @@ TEST(Diagnoses, ContentThatAReloadRefusesAgainIsToldOnceAndAsItIsNow) {
   EXPECT_EQ(detail_text(symptoms[0], *parse_language("ja")), "as it is");
 }
 
+// Nothing has ever worked here: then no earlier content is shown.
+TEST(Diagnoses, RefusedContentIsNotSaidToBeReplacedByContentThatIsNone) {
+  const auto status = changed(changed(kGoodStatus, "\"live\", \"reason\": \"\"",
+                                      fmt::format("\"still\", \"reason\": \"{}\"", name_of(Trouble::content_refused))),
+                              "\"refused\": []", "\"refused\": [\"x: unknown key\"]");
+  const auto text = state_text(heard_of(status), Language::english);
+  EXPECT_THAT(text, HasSubstr("shown is what worked last, else the still picture."));
+  EXPECT_THAT(text, HasSubstr("x: unknown key\n"));
+}
+
 TEST(Diagnoses, ClosedIsNoFault) {
   const auto status = changed(changed(kGoodStatus, "\"live\", \"reason\": \"\"", "\"dark\", \"reason\": \"closed\""),
                               "\"display\": {\"up\": true", "\"display\": {\"up\": false");
