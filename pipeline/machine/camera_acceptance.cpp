@@ -1,6 +1,7 @@
 #include "pipeline/machine/camera_acceptance.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace kasumi {
 
@@ -27,9 +28,7 @@ std::string problem_of(FrameSource& source, const Camera& camera, Clock& clock, 
     if (!frame && frame.error().kind == FaultKind::timeout) continue;
     if (!frame) return recorded ? frame.error().message : std::string();
     ++looked;
-    const auto& metadata = frame->metadata;
-    const auto why =
-        metadata.status == FrameStatus::good ? why_unusable(metadata, camera) : std::string(name_of(metadata.status));
+    const auto why = why_unusable(*frame, camera);
     if (why.empty()) return {};
     ++bad[why];
   }
@@ -44,6 +43,13 @@ std::string why_unusable(const FrameMetadata& frame, const Camera& camera) {
   return fmt::format("{}x{} instead of {}x{}", frame.width, frame.height, camera.width, camera.height);
 }
 
+std::string why_unusable(const Frame& frame, const Camera& camera) {
+  if (frame.metadata.status != FrameStatus::good) return std::string(name_of(frame.metadata.status));
+  if (auto why = why_unusable(frame.metadata, camera); !why.empty()) return why;
+  const auto picture = decode(frame, camera.yuv_encoding);
+  return picture ? std::string() : picture.error().message;
+}
+
 std::string commonest(const std::map<std::string, std::uint64_t>& reasons) {
   const auto most = std::ranges::max_element(reasons, {}, [](const auto& reason) { return reason.second; });
   return most == reasons.end() ? std::string() : fmt::format("{} ({})", most->first, most->second);
@@ -51,6 +57,10 @@ std::string commonest(const std::map<std::string, std::uint64_t>& reasons) {
 
 Result<> try_cameras(const RunConfig& config, Devices& devices, Clock& clock, std::vector<std::string>& untried) {
   Problems problems;
+  std::set<std::string> reported;  // a recording that both cameras share is broken once
+  const auto add = [&](const char* name, const std::string& why) {
+    if (reported.insert(why).second) problems.add("[{}.camera]: {}", name, why);
+  };
   struct Tried {
     const char* name;
     CameraRole role;
@@ -67,13 +77,12 @@ Result<> try_cameras(const RunConfig& config, Devices& devices, Clock& clock, st
     }
     const auto opening = devices.camera(role, options);
     const auto source = opening.opener.open();
-    if (!source && opening.recorded) problems.add("[{}.camera]: {}", name, source.error().message);
+    if (!source && opening.recorded) add(name, source.error().message);
     if (!source && !opening.recorded)
       untried.push_back(fmt::format("{} camera: not tried: {}", name, source.error().message));
     if (!source) continue;
     const auto longest = std::max(kTrial, opening.frame_interval * 5 / 2);
-    if (const auto why = problem_of(**source, camera, clock, longest, opening.recorded); !why.empty())
-      problems.add("[{}.camera]: {}", name, why);
+    if (const auto why = problem_of(**source, camera, clock, longest, opening.recorded); !why.empty()) add(name, why);
   }
   if (!problems.empty()) return fail(problems.fault());
   return {};

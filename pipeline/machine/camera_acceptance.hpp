@@ -14,6 +14,8 @@ namespace kasumi {
 
 // Empty: it can be; else "1280x720 instead of 960x540".
 std::string why_unusable(const FrameMetadata& frame, const Camera& camera);
+// The same of a whole frame, which is decoded: "truncated", "JPEG size 640x360: expected 1280x720".
+std::string why_unusable(const Frame& frame, const Camera& camera);
 
 // "1280x720 instead of 960x540 (120)": the reason that came most often; empty: there is none.
 std::string commonest(const std::map<std::string, std::uint64_t>& reasons);

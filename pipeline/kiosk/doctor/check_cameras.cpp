@@ -13,6 +13,7 @@ constexpr Duration kFirstFrame = 4s;  // the appliance gives up after that
 constexpr double kSlowFirstFrame_s = 2.0;
 constexpr double kUsb2Bytes = 24e6;  // per second: video that fits into USB 2.0's 480 Mbit/s
 constexpr double kUsb2_mbit = 480.0;
+constexpr const char* kRecordAgain = "record it again, or name another recording: fixture";
 
 bool is_number_name(const std::filesystem::path& device) {
   const auto name = device.filename().string();
@@ -78,8 +79,7 @@ CameraMeasurement measure_camera(const SourceOpener& opener, const Camera& confi
       break;
     }
     const auto& metadata = frame->metadata;
-    const auto why = metadata.status == FrameStatus::good ? why_unusable(metadata, configured)
-                                                          : std::string(name_of(metadata.status));
+    const auto why = why_unusable(*frame, configured);
     const bool good = why.empty();
     if (!good) ++measurement.bad[why];
     if (sequence && metadata.sequence > *sequence + 1) measurement.gaps += metadata.sequence - *sequence - 1;
@@ -180,7 +180,8 @@ void check_camera(const std::string& name, const CameraOptions& options, const C
                   Findings& findings) {
   if (!camera.opened) {
     findings.fail(name + ".open", camera.problem,
-                  "in use? sudo fuser -v /dev/video*; permission? id must show the group video");
+                  request_of(options) ? "in use? sudo fuser -v /dev/video*; permission? id must show the group video"
+                                      : kRecordAgain);
     return;
   }
   const auto* request = request_of(options);
@@ -197,8 +198,12 @@ void check_camera(const std::string& name, const CameraOptions& options, const C
                     "v4l2-ctl -d DEVICE --list-formats-ext and --list-ctrls list what it supports; configure that");
   }
   if (!camera.first_frame_s) {
+    const bool other_size = camera.problem.find(" instead of ") != std::string::npos;
     findings.fail(name + ".first_frame", camera.problem,
-                  "replug it; try another port; dmesg | tail; too little bandwidth for two cameras on one hub?");
+                  other_size ? "ask the camera for the size it was calibrated at, or calibrate it at this one"
+                  : !request_of(options) ? kRecordAgain
+                                         : "replug it; try another port; dmesg | tail; too little bandwidth for two "
+                                           "cameras on one hub?");
     return;
   }
   const auto first = fmt::format("after {:.2f} s", *camera.first_frame_s);

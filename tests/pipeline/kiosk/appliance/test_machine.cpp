@@ -552,6 +552,15 @@ TEST(CameraAcceptance, Row47AFrameOfEachCameraIsTriedBeforehand) {
   std::filesystem::remove_all(recording / "scene");
   config.scene_camera = ReplayCamera{recording};
   EXPECT_THAT(problems(), testing::HasSubstr("[scene.camera]: "));
+  std::filesystem::copy(bench_fixture() / "scene", recording / "scene", std::filesystem::copy_options::recursive);
+  EXPECT_EQ(problems(), "");
+  const auto index = recording / "scene" / "index.csv";
+  auto rows = read_text_file(index).value();
+  for (std::size_t at = 0; (at = rows.find("RGB3,320,180,960", at)) != std::string::npos;)
+    rows.replace(at, 16, "MJPG,320,180,0");
+  ASSERT_TRUE(write_text_file(index, rows));
+  EXPECT_THAT(problems(), testing::HasSubstr("[scene.camera]: no picture of it can be used: damaged JPEG"))
+      << "as long as they have to be, and no pictures";
   config.scene_camera = V4l2Options{"/dev/kasumi-no-such-camera", {}};
   EXPECT_EQ(problems(), "") << "on the desk there is no camera";
   EXPECT_THAT(untried, testing::ElementsAre(testing::HasSubstr("scene camera: not here")));

@@ -221,6 +221,14 @@ TEST(DoctorCamera, ComparesTheMeasurementWithTheRequest) {
   seen.first_frame_s.reset();
   seen.problem = "no good frame came in 4 s";
   EXPECT_EQ(judged("scene_camera.first_frame").grade, Grade::failure);
+  EXPECT_THAT(judged("scene_camera.first_frame").advice, HasSubstr("replug it"));
+  const auto of_recording = [&] {
+    const CameraOptions recording = ReplayCamera{"/srv/recording"};
+    return judged_by(check_camera, "scene_camera.first_frame", "scene_camera", recording, seen).advice;
+  };
+  EXPECT_THAT(of_recording(), HasSubstr("record it again")) << "no cable";
+  seen.problem = "no frame can be used: 1280x720 instead of 960x540 (17)";
+  EXPECT_THAT(judged("scene_camera.first_frame").advice, HasSubstr("calibrate"));
   seen.opened = false;
   seen.problem = "VIDIOC_STREAMON: in use by another program";
   EXPECT_EQ(judged("scene_camera.open").grade, Grade::failure);
