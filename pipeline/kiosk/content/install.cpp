@@ -121,6 +121,17 @@ Result<> may_be_taken(const Manifest& manifest, const InstallRules& rules, const
               rules.kiosk);
 }
 
+// Of all that was installed and is still there, also of what went back. A date that only a wrong clock can have accepted
+// is ignored, so that it blocks no bundle.
+std::optional<Utc> newest_date_of(const Generations& generations, const std::optional<Utc>& latest) {
+  std::optional<Utc> newest;
+  for (const auto& generation : generations.all()) {
+    const auto created = generation.manifest.created;
+    if ((!latest || created <= *latest) && (!newest || created > *newest)) newest = created;
+  }
+  return newest;
+}
+
 // Empty: it may be installed. `known`: as it is on this machine already.
 Result<std::string> reason_to_leave_alone(const Generation& next, const std::optional<Generation>& known,
                                           const std::optional<Generation>& current, const InstallRules& rules,
@@ -179,9 +190,8 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
   const auto there = known ? std::optional(*known) : std::nullopt;
   const auto current = generations.current();
   auto floor = read_floor(generations.folder(), latest);
-  // For content installed before floors existed. A date that only a wrong clock can have accepted is ignored, so that
-  // it blocks no bundle.
-  if (!floor && current && (!latest || current->manifest.created <= *latest)) floor = current->manifest.created;
+  // For content installed before floors existed, and for a floor that a disk has lost.
+  if (!floor) floor = newest_date_of(generations, latest);
   const auto leave = reason_to_leave_alone(next, there, current, rules, floor);
   if (!leave) return fail(leave.error());
   if (!leave->empty()) return Installed{there.value_or(next), *leave};
@@ -191,7 +201,9 @@ Result<Installed> install(const Trusted& trusted, const Generations& generations
   if (!whole)
     if (auto unpacked = unpack_beside(trusted, generations, next, free_bytes); !unpacked) return fail(unpacked.error());
   // First, so that a power cut leaves no way back.
-  if (auto raised = raise_floor(generations.folder(), next.manifest.created, latest); !raised)
+  if (auto raised =
+          raise_floor(generations.folder(), std::max(next.manifest.created, floor.value_or(Utc::min())), latest);
+      !raised)
     return fail(raised.error());
   if (auto shown = generations.show(&next.id); !shown) return fail(shown.error());
   generations.prune();

@@ -68,6 +68,20 @@ TEST_F(Replayed, Row46AfterGoingBackAnOlderBundleIsStillRefused) {
   EXPECT_EQ(newer(two)->left_alone, "") << "once a person has let it in";
 }
 
+TEST_F(Replayed, Row46AFloorThatTheDiskLostIsThatOfWhatIsStillThere) {
+  const auto one = bundle("one", kMonday - days(90)), two = bundle("two", kMonday - days(60)),
+             three = bundle("three", kMonday - days(30));
+  ASSERT_EQ(newer(two)->left_alone, "");
+  ASSERT_EQ(newer(three)->left_alone, "");
+  ASSERT_TRUE(generations.go_back(generations.current()->id, kMonday, "by hand"));
+  for (const char* damage : {"", "\xff\xff"}) {
+    ASSERT_TRUE(write_text_file(generations.folder() / "floor", damage));
+    EXPECT_THAT(newer(one)->left_alone, HasSubstr("not newer than what was taken before"));
+  }
+  ASSERT_TRUE(install_file(one, generations, kMonday, kUnsigned)) << "by hand";
+  EXPECT_EQ(read_floor(generations.folder(), std::nullopt), kMonday - days(30)) << "and it is no lower then";
+}
+
 TEST_F(Replayed, Row46ADateThatHasNotComeIsRefusedAndShutsNobodyOut) {
   const auto future = bundle("future", kMonday + days(20'000)), good = bundle("good", kMonday - days(1));
   EXPECT_THAT(newer(future), FailsWith(HasSubstr("has not come yet")));
