@@ -47,6 +47,7 @@ endforeach()
 install(FILES systemd/kiosk/sysctl.conf DESTINATION lib/sysctl.d RENAME 60-kasumi-kiosk.conf COMPONENT kiosk EXCLUDE_FROM_ALL)
 install(FILES systemd/kiosk/72-kasumi-kiosk.rules DESTINATION lib/udev/rules.d COMPONENT kiosk EXCLUDE_FROM_ALL)
 install(FILES systemd/deb/copyright DESTINATION share/doc/kasumi-kiosk COMPONENT kiosk EXCLUDE_FROM_ALL)
+install(FILES ${PROJECT_BINARY_DIR}/bill/kasumi-kiosk.spdx.json DESTINATION share/doc/kasumi-kiosk COMPONENT kiosk EXCLUDE_FROM_ALL)
 install(FILES systemd/deb-kiosk/lintian-overrides DESTINATION share/lintian/overrides RENAME kasumi-kiosk COMPONENT kiosk EXCLUDE_FROM_ALL)
 
 # What changed since when, in the form that Debian's tools read.

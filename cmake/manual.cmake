@@ -14,17 +14,16 @@ add_custom_command(OUTPUT ${manual}/kasumi.toml.5 ${manual}/kasumi.toml.5.gz
   COMMAND gzip -9nk --force ${manual}/kasumi.toml.5
   DEPENDS kasumi ${PROJECT_SOURCE_DIR}/systemd/kasumi.toml VERBATIM)
 # What the packages are made of. Each build writes them anew: a library of the system may be another by then.
-foreach(package kasumi kasumi-report)
-  set(modules)
-  if(package STREQUAL "kasumi")
-    set(modules $<TARGET_FILE:kasumi_rare_files> $<TARGET_FILE:kasumi_rare_models>)
-  endif()
+set(made_of_kasumi $<TARGET_FILE:kasumi> $<TARGET_FILE:kasumi_rare_files> $<TARGET_FILE:kasumi_rare_models>)
+set(made_of_kasumi-report $<TARGET_FILE:kasumi-report>)
+set(made_of_kasumi-kiosk)  # no program
+foreach(package kasumi kasumi-report kasumi-kiosk)
   set(bill ${PROJECT_BINARY_DIR}/bill/${package}.spdx.json)
   add_custom_command(OUTPUT ${bill}
     COMMAND ${CMAKE_COMMAND} -E make_directory ${PROJECT_BINARY_DIR}/bill
     COMMAND env OBJDUMP=${CMAKE_OBJDUMP} ${PROJECT_SOURCE_DIR}/cmake/bill-of-materials ${package} ${PROJECT_VERSION}
-      $<TARGET_FILE:${package}> ${modules} > ${bill}
-    DEPENDS ${package} ${modules} ${PROJECT_SOURCE_DIR}/cmake/bill-of-materials ${PROJECT_SOURCE_DIR}/cmake/compiled-in VERBATIM)
+      ${made_of_${package}} > ${bill}
+    DEPENDS ${made_of_${package}} ${PROJECT_SOURCE_DIR}/cmake/bill-of-materials ${PROJECT_SOURCE_DIR}/cmake/compiled-in VERBATIM)
   list(APPEND manuals ${bill})
 endforeach()
 add_custom_target(manual ALL DEPENDS ${manuals} ${manual}/kasumi.toml.5)
