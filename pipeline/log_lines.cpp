@@ -1,11 +1,14 @@
 #include "pipeline/log_lines.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <spdlog/sinks/ansicolor_sink.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -44,7 +47,34 @@ bool is_journal(int descriptor) {
              fmt::format("{}:{}", static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino));
 }
 
+std::atomic<bool> may_wait = true;
+
+// Without waiting for whoever reads it.
+bool takes_a_line(int descriptor) {
+  pollfd wanted{descriptor, POLLOUT, 0};
+  return may_wait || (::poll(&wanted, 1, 0) == 1 && (wanted.revents & POLLOUT) != 0);
+}
+
+class UnhinderedStderr final : public spdlog::sinks::ansicolor_stderr_sink_mt {
+  using Stderr = spdlog::sinks::ansicolor_stderr_sink_mt;
+
+ public:
+  void log(const spdlog::details::log_msg& message) override {
+    if (!takes_a_line(STDERR_FILENO)) {
+      ++lost_;
+      return;
+    }
+    if (const auto lost = lost_.exchange(0); lost > 0)
+      Stderr::log({"kasumi", spdlog::level::warn, fmt::format("log: {} lines were lost", lost)});
+    Stderr::log(message);
+  }
+
+ private:
+  std::atomic<int> lost_ = 0;
+};
+
 void print(std::string_view text, std::FILE* to, bool journal, int priority) {
+  if (!takes_a_line(::fileno(to))) return;
   std::string lines(text);
   if (journal) {
     lines.clear();
@@ -77,10 +107,14 @@ bool stdout_is_journal() {
 }
 
 void log_to_stderr() {
-  spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("kasumi", std::make_shared<spdlog::sinks::ansicolor_stderr_sink_mt>()));
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("kasumi", std::make_shared<UnhinderedStderr>()));
   spdlog::set_pattern("kasumi: %^%l%$: %v");
   if (stderr_is_journal()) spdlog::set_formatter(journal_formatter());
+}
+
+void never_wait_for_log() {
+  may_wait = false;
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 std::unique_ptr<spdlog::formatter> journal_formatter() {

@@ -19,6 +19,9 @@ bool stdout_is_journal();
 // Logging goes to stderr from now on: "kasumi: warning: ...", for the journal with "<4>" before each line (sd-daemon(3)).
 void log_to_stderr();
 std::unique_ptr<spdlog::formatter> journal_formatter();
+// For a program that must go on: from now on stderr that takes no more (a journal that hangs) loses lines, which are
+// counted, instead of holding up the thread that logs; and a reader that has ended does not end this program.
+void never_wait_for_log();
 
 // An error that ends the program, of one or more lines. The unit takes lines without a priority for warnings: libraries
 // write such.

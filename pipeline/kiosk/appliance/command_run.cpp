@@ -155,6 +155,7 @@ Result<int> show(const RunArguments& arguments, const ContentPlace& place, const
 }
 
 Result<int> run(const RunArguments& arguments) {
+  never_wait_for_log();
   // Pictures go back to the kernel when they are given back. By default the bound grows with them up to 32 MiB, and each
   // thread keeps the largest it ever had.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);

@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/show/stage/font_patience.hpp"
 #include "pipeline/site/config/sighting.hpp"
 
 namespace kasumi {
@@ -29,7 +30,9 @@ void ShownStory::lay_out(GlContext& context, const Content& content, const DrawT
   request.height = target.height;
   request.building = building_on_screen(content.config.installation, *content.model, target.width, target.height);
   request.reader = view_.reader;
-  auto laid = draw_story_panel(request);
+  auto laid = with_fonts<Result<StoryPanel>>([request] {
+                return draw_story_panel(request);
+              }).value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
   if (!laid) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, laid.error().message);
   auto picture = FlatPicture::create(context, laid->picture);
   if (!picture) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, picture.error().message);

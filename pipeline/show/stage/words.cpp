@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "pipeline/show/stage/font_patience.hpp"
 #include "pipeline/show/stage/plain_letters.hpp"
 
 namespace kasumi {
@@ -19,10 +20,11 @@ CaptionStyle style_of(const MessageOptions& options, int width, int height) {
 
 Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style) {
   if (!options.plain_letters) {
-    if (auto picture = draw_caption(text, style))
-      return std::move(*picture);
-    else
-      spdlog::warn("a message is drawn in plain letters: {}", picture.error().message);
+    auto picture = with_fonts<Result<Image<Rgba8>>>([text, style] {
+                     return draw_caption(text, style);
+                   }).value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
+    if (picture) return std::move(*picture);
+    spdlog::warn("a message is drawn in plain letters: {}", picture.error().message);
   }
   return draw_plain_letters(text, style.height_px, style.largest_width_px);
 }
@@ -30,13 +32,16 @@ Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& opt
 void Words::update(GlContext& context, const std::string& text, const MessageOptions& options,
                    const DrawTarget& target) {
   const CaptionKey key{options.language, options.print, target.width};
-  if (text_ == text && key_ == key) return;
+  const bool may_improve = waits_for_fonts_ && hung_fonts == 0;
+  if (text_ == text && key_ == key && !may_improve) return;
+  waits_for_fonts_ = false;
   text_ = text;
   key_ = key;
   picture_.reset();
   if (text.empty()) return;
   const auto style = style_of(options, target.width, target.height);
   if (auto flat = FlatPicture::create(context, picture_of_words(text, options, style))) picture_ = std::move(*flat);
+  waits_for_fonts_ = !options.plain_letters && hung_fonts > 0;
 }
 
 Result<> Words::draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top,

@@ -13,7 +13,7 @@ namespace kasumi {
 // How words look on a picture of that size.
 CaptionStyle style_of(const MessageOptions& options, int width, int height);
 
-// Words that cannot be rendered as they should are logged and drawn in the program's own letters.
+// Words that cannot be rendered as they should, or not in time, are logged and drawn in the program's own letters.
 Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style);
 
 // What a text's picture depends on, besides the text.
@@ -35,6 +35,7 @@ class Words {
   std::string text_;
   CaptionKey key_;
   std::optional<FlatPicture> picture_;  // empty: no text, or it could not be rendered
+  bool waits_for_fonts_ = false;        // shown in plain letters until the disk answers
 };
 
 }  // namespace kasumi

@@ -7,6 +7,7 @@
 
 #include <sys/stat.h>
 
+#include "base/unique_fd.hpp"
 #include "pipeline/kiosk/start/kept_content.hpp"
 #include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/pipeline/service_manager.hpp"
@@ -72,6 +73,42 @@ TEST_F(NeverBlack, Row40ADiskWhoseWritesHangHoldsNoPictureUp) {
   EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
   EXPECT_TRUE(std::filesystem::exists(state / "starts.json"));
   EXPECT_EQ(status_in(folder)["reason"], "stopped");
+}
+
+// Words are drawn by the thread that shows pictures: it goes on in the program's own letters.
+TEST_F(NeverBlack, Row50FontsWhoseDiskHangsHoldNoPictureUp) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("letters");
+  ASSERT_TRUE(write_text_file(rule, "open fonts\n"));
+  const auto kasumi = run();
+  ASSERT_TRUE(is_ready()) << kasumi->log();
+  EXPECT_TRUE(shows("live")) << kasumi->log();
+  EXPECT_THAT(kasumi->log(), HasSubstr("drawn in plain letters: the fonts' disk does not answer"));
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(30s), 0) << "with a thread left behind: " << kasumi->log();
+}
+
+// A journal that hangs reads nothing more; one that has ended is a broken pipe.
+TEST_F(NeverBlack, Row51AJournalThatReadsNothingHoldsNoPictureUp) {
+  make("journal");
+  const auto log = folder / "log.txt";
+  ASSERT_EQ(::mkfifo(log.c_str(), 0600), 0);
+  UniqueFd journal(::open(log.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+  ASSERT_TRUE(journal);
+  const std::string page(4096, 'x');
+  while (::write(journal.value(), page.data(), page.size()) > 0) {
+  }
+  const auto kasumi = run();
+  EXPECT_TRUE(is_ready());
+  EXPECT_TRUE(shows("live"));
+  journal = UniqueFd();
+  ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + "\n[nonsense]\na = 1\n"));
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["problems"].size() > 0; }));
+  EXPECT_EQ(status_in(folder)["shown"], "live");
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0);
+  std::filesystem::remove(log);
 }
 
 // Of the first one nobody hears again; the second is whole.
