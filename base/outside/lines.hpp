@@ -1,21 +1,17 @@
 // A fault's problems: its message has a line for each, and of one that another file explains a second.
 #pragma once
 
-#include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace kasumi {
 
-// What a line announces (it ends in a colon) stays with it: it is one problem.
-inline std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
-    const bool announced = !lines.empty() && lines.back().ends_with(':');
-    announced ? lines.back().append(" " + line) : lines.emplace_back(line);
-  }
-  return lines;
-}
+// A file may have tens of thousands of problems, and a status that lists them all would be refused by its readers.
+constexpr std::size_t kMostProblems = 50, kMostProblemBytes = 400;
+
+// What a line announces (it ends in a colon) stays with it: it is one problem. Of more than kMostProblems the last line
+// says how many; longer ones are cut; control characters are spaces.
+std::vector<std::string> lines_of(std::string_view text);
 
 }  // namespace kasumi

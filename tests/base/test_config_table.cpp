@@ -83,6 +83,20 @@ TEST(Problems, WhatALineAnnouncesIsOneProblemWithIt) {
   EXPECT_THAT(lines_of(""), testing::IsEmpty());
 }
 
+// A status with all of them was too large for its readers: the kiosk was unknown to them, and could not be reloaded.
+TEST(Problems, Row23OfVeryManyTheFirstAreListed) {
+  std::string text(1000, 'x');
+  text += "\n\x1b[2J\n" + std::string(399, 'y') + "\u00e9\n";
+  for (int i = 0; i < 60'000; ++i) text += fmt::format("a.toml: k{}: unknown key\n", i);
+  const auto lines = lines_of(text);
+  ASSERT_EQ(lines.size(), kMostProblems + 1);
+  EXPECT_EQ(lines[0], std::string(400, 'x') + "...");
+  EXPECT_EQ(lines[1], " [2J");
+  EXPECT_EQ(lines[2], std::string(399, 'y') + "...") << "whole characters";
+  EXPECT_EQ(lines[3], "a.toml: k0: unknown key");
+  EXPECT_EQ(lines.back(), fmt::format("and {} more", 60'000 - (kMostProblems - 3)));
+}
+
 TEST(ConfigTable, ValuesThatAreNotFiniteNumbersAreRefused) {
   for (const char* text : {"a = nan", "a = inf", "a = '1'", "a = true", "a = [1]"}) {
     const auto root = ConfigTable::parse(text, "a.toml").value();
