@@ -2,30 +2,43 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
 namespace kasumi {
 namespace {
 
-// A row's luma and chroma, a value a pixel.
+// Pixels that are converted at a time. A processor without vectors of this size gets them in parts.
+constexpr std::size_t kLanes = 8;
+using Floats = float __attribute__((vector_size(4 * kLanes)));
+using Words = std::int32_t __attribute__((vector_size(4 * kLanes)));
+static_assert(std::endian::native == std::endian::little);
+
+// A row's luma and chroma, a value a pixel, and as many more as make the last vector whole.
 struct YuvRow {
-  std::vector<std::uint8_t> y, u, v;
-  explicit YuvRow(std::size_t width) : y(width), u(width), v(width) {}
+  std::vector<float> y, u, v;
+  explicit YuvRow(std::size_t width) : y(width + kLanes), u(width + kLanes), v(width + kLanes) {}
 };
 
-// The first of each run of `step` bytes, repeated.
-void spread(const std::uint8_t* from, std::size_t step, std::size_t repeat, std::vector<std::uint8_t>& to) {
-  const std::size_t width = to.size();
-  if (repeat == 1) {
-    for (std::size_t x = 0; x < width; ++x) to[x] = from[x * step];
-    return;
-  }
-  for (std::size_t pair = 0; pair < width / 2; ++pair) to[2 * pair] = to[2 * pair + 1] = from[pair * step];
-  if (width % 2 != 0) to[width - 1] = from[width / 2 * step];
+// Where the values of a row lie.
+struct PlaneRow {
+  const std::uint8_t* first;
+  float offset;
+};
+
+// The first of each run of `step` bytes, for `repeat` pixels each.
+template <std::size_t step, std::size_t repeat>
+[[gnu::always_inline]] inline void spread(PlaneRow from, std::size_t width, std::vector<float>& to) {
+  const std::uint8_t* __restrict bytes = from.first;
+  float* __restrict values = to.data();
+  for (std::size_t i = 0; i < (width + repeat - 1) / repeat; ++i)
+    for (std::size_t k = 0; k < repeat; ++k) values[repeat * i + k] = static_cast<float>(bytes[i * step]) - from.offset;
 }
 
-void read_row(const PictureView& p, std::size_t row, YuvRow& to) {
+[[gnu::always_inline]] inline void read_row(const PictureView& p, const glm::vec3& offset, std::size_t row,
+                                            YuvRow& to) {
+  const auto width = static_cast<std::size_t>(p.width);
   const auto line = [&](std::size_t plane, std::size_t of) {
     return p.planes[plane].data + of * p.planes[plane].stride;
   };
@@ -33,40 +46,67 @@ void read_row(const PictureView& p, std::size_t row, YuvRow& to) {
     case PixelLayout::yuyv:
     case PixelLayout::uyvy: {
       const std::size_t luma = p.layout == PixelLayout::yuyv ? 0 : 1;
-      spread(line(0, row) + luma, 2, 1, to.y);
-      spread(line(0, row) + 1 - luma, 4, 2, to.u);
-      spread(line(0, row) + 3 - luma, 4, 2, to.v);
+      spread<2, 1>({line(0, row) + luma, offset.x}, width, to.y);
+      spread<4, 2>({line(0, row) + 1 - luma, offset.y}, width, to.u);
+      spread<4, 2>({line(0, row) + 3 - luma, offset.z}, width, to.v);
       return;
     }
     case PixelLayout::nv12:
-      spread(line(0, row), 1, 1, to.y);
-      spread(line(1, row / 2), 2, 2, to.u);
-      spread(line(1, row / 2) + 1, 2, 2, to.v);
+      spread<1, 1>({line(0, row), offset.x}, width, to.y);
+      spread<2, 2>({line(1, row / 2), offset.y}, width, to.u);
+      spread<2, 2>({line(1, row / 2) + 1, offset.z}, width, to.v);
+      return;
+    case PixelLayout::i444:
+      spread<1, 1>({line(0, row), offset.x}, width, to.y);
+      spread<1, 1>({line(1, row), offset.y}, width, to.u);
+      spread<1, 1>({line(2, row), offset.z}, width, to.v);
       return;
     default: {
       const std::size_t below = p.layout == PixelLayout::i420 ? row / 2 : row;
-      const std::size_t repeat = p.layout == PixelLayout::i444 ? 1 : 2;
-      spread(line(0, row), 1, 1, to.y);
-      spread(line(1, below), 1, repeat, to.u);
-      spread(line(2, below), 1, repeat, to.v);
+      spread<1, 1>({line(0, row), offset.x}, width, to.y);
+      spread<1, 2>({line(1, below), offset.y}, width, to.u);
+      spread<1, 2>({line(2, below), offset.z}, width, to.v);
     }
   }
 }
 
 // As to_rgb(): the same products in the same order.
-void convert_row(const YuvToRgb& m, const YuvRow& from, glm::u8vec4* to) {
-  const auto value = [](const glm::vec3& row, float y, float u, float v) {
-    const float sum = row.x * y + row.y * u + row.z * v;
-    return static_cast<std::uint8_t>(static_cast<int>(std::clamp(sum, 0.0F, 255.0F) + 0.5F));
-  };
-  const glm::vec3 offset = 255.0F * m.offset, red = m.rows[0], green = m.rows[1], blue = m.rows[2];
-  const std::size_t width = from.y.size();
-  for (std::size_t x = 0; x < width; ++x) {
-    const float y = static_cast<float>(from.y[x]) - offset.x, u = static_cast<float>(from.u[x]) - offset.y,
-                v = static_cast<float>(from.v[x]) - offset.z;
-    to[x] = glm::u8vec4(value(red, y, u, v), value(green, y, u, v), value(blue, y, u, v), 255);
+[[gnu::always_inline]] inline void convert(const PictureView& p, Image<glm::u8vec4>& pixels) {
+  const YuvToRgb m = yuv_to_rgb(p.encoding);
+  const auto width = static_cast<std::size_t>(p.width);
+  YuvRow line(width);
+  for (int row = 0; row < p.height; ++row) {
+    read_row(p, 255.0F * m.offset, static_cast<std::size_t>(row), line);
+    glm::u8vec4* to = pixels.row(row);
+    for (std::size_t x = 0; x < width; x += kLanes) {
+      Floats y, u, v;
+      std::memcpy(&y, line.y.data() + x, sizeof y);
+      std::memcpy(&u, line.u.data() + x, sizeof u);
+      std::memcpy(&v, line.v.data() + x, sizeof v);
+      Words channels[3];
+      for (std::size_t c = 0; c < 3; ++c) {
+        Floats sum = m.rows[c].x * y + m.rows[c].y * u + m.rows[c].z * v;
+        sum = sum < 0.0F ? Floats{} : sum;
+        sum = sum > 255.0F ? Floats{} + 255.0F : sum;
+        channels[c] = __builtin_convertvector(sum + 0.5F, Words);
+      }
+      const Words whole = channels[0] | channels[1] << 8 | channels[2] << 16 | static_cast<std::int32_t>(0xff000000);
+      if (width - x >= kLanes)
+        std::memcpy(to + x, &whole, sizeof whole);
+      else
+        std::memcpy(to + x, &whole, (width - x) * sizeof *to);
+    }
   }
 }
+
+void convert_anywhere(const PictureView& picture, Image<glm::u8vec4>& pixels) {
+  convert(picture, pixels);
+}
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void convert_by_avx2(const PictureView& picture, Image<glm::u8vec4>& pixels) {
+  convert(picture, pixels);
+}
+#endif
 
 // Of the layouts without chroma: bytes a pixel, and where red, green and blue lie.
 struct RgbBytes {
@@ -136,12 +176,10 @@ void to_rgba(const PictureView& picture, Image<glm::u8vec4>& pixels) {
     }
     return;
   }
-  const YuvToRgb matrix = yuv_to_rgb(picture.encoding);
-  YuvRow line(width);
-  for (int row = 0; row < picture.height; ++row) {
-    read_row(picture, static_cast<std::size_t>(row), line);
-    convert_row(matrix, line, pixels.row(row));
-  }
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) return convert_by_avx2(picture, pixels);
+#endif
+  convert_anywhere(picture, pixels);
 }
 
 glm::vec3 encoded_at(const PictureView& p, const YuvToRgb& matrix, int px, int py) {
