@@ -16,15 +16,23 @@ glm::dvec2 points_per_pixel(const AirlightGrid& grid) {
 }  // namespace
 
 glm::dvec3 airlight_at(const AirlightGrid& grid, const glm::dvec2& pixel) {
-  const glm::dvec2 scale = points_per_pixel(grid);
-  const double x = std::clamp((pixel.x - grid.first_px.x) * scale.x, 0.0, AirlightGrid::kColumns - 1.0);
-  const double y = std::clamp((pixel.y - grid.first_px.y) * scale.y, 0.0, AirlightGrid::kRows - 1.0);
-  const int column = std::min(static_cast<int>(x), AirlightGrid::kColumns - 2);
+  return AirlightRow(grid, pixel.y).at(pixel.x);
+}
+
+AirlightRow::AirlightRow(const AirlightGrid& grid, double pixel_y)
+    : first_px_(grid.first_px.x), points_per_px_(points_per_pixel(grid).x) {
+  const double y = std::clamp((pixel_y - grid.first_px.y) * points_per_pixel(grid).y, 0.0, AirlightGrid::kRows - 1.0);
   const int row = std::min(static_cast<int>(y), AirlightGrid::kRows - 2);
-  const auto point = [&](int r, int c) { return grid.light[static_cast<std::size_t>(r * AirlightGrid::kColumns + c)]; };
-  const double fx = x - column, fy = y - row;
-  return (1.0 - fy) * ((1.0 - fx) * point(row, column) + fx * point(row, column + 1)) +
-         fy * ((1.0 - fx) * point(row + 1, column) + fx * point(row + 1, column + 1));
+  share_below_ = y - row;
+  above_ = grid.light.data() + row * AirlightGrid::kColumns;
+}
+
+glm::dvec3 AirlightRow::at(double pixel_x) const {
+  const double x = std::clamp((pixel_x - first_px_) * points_per_px_, 0.0, AirlightGrid::kColumns - 1.0);
+  const int column = std::min(static_cast<int>(x), AirlightGrid::kColumns - 2);
+  const double fx = x - column, fy = share_below_;
+  const glm::dvec3 *above = above_ + column, *below = above + AirlightGrid::kColumns;
+  return (1.0 - fy) * ((1.0 - fx) * above[0] + fx * above[1]) + fy * ((1.0 - fx) * below[0] + fx * below[1]);
 }
 
 void check(const AirlightGrid& grid, std::string_view name, bool positive, Problems& problems) {

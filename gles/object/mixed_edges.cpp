@@ -119,12 +119,13 @@ inline float dot(vec3 p, vec3 q) {
   return p.r * q.r + p.g * q.g + p.b * q.b;
 }
 
-// Texels in memory, nearest or (`smooth`) filtered, clamped to the edges or (`tiles`) repeated.
+// Texels in memory, nearest or (`smooth`) filtered, clamped to the edges.
 struct sampler2D {
-  enum class Texel { luminance, luminance_alpha, rgb, rgba, halves } kind = Texel::rgba;
+  enum class Texel { luminance, luminance_alpha, rgba } kind = Texel::rgba;
   const void* texels = nullptr;
   int width = 0, height = 0;
-  bool tiles = false, smooth = false;
+  bool smooth = false;
+  const vec4* here = nullptr;  // the texel of the pixel that is mixed: no other will be asked for
 
   vec4 at(int x, int y) const {
     const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -133,13 +134,8 @@ struct sampler2D {
     switch (kind) {
       case Texel::luminance: return {vec3(bytes[i] * kByte), 1.0F};
       case Texel::luminance_alpha: return {vec3(bytes[2 * i] * kByte), bytes[2 * i + 1] * kByte};
-      case Texel::rgb: return {vec3(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]) * kByte, 1.0F};
       case Texel::rgba:
         return {vec3(bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2]) * kByte, bytes[4 * i + 3] * kByte};
-      case Texel::halves: {
-        const auto* numbers = static_cast<const float*>(texels) + 4 * i;
-        return {numbers[0], numbers[1], numbers[2], numbers[3]};
-      }
     }
     return vec4(0.0F);
   }
@@ -150,6 +146,7 @@ sampler2D sampler(sampler2D::Texel kind, const Image<Texel>& image) {
 }
 
 inline vec4 texture2D(const sampler2D& s, vec2 place) {
+  if (s.here) return *s.here;
   const float u = place.x * static_cast<float>(s.width), v = place.y * static_cast<float>(s.height);
   const auto held = [](int at, int size) { return std::clamp(at, 0, size - 1); };
   if (s.smooth) {
@@ -162,16 +159,15 @@ inline vec4 texture2D(const sampler2D& s, vec2 place) {
     return row(y) * vec4(1.0F - down) + row(y + 1) * vec4(down);
   }
   const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
-  const auto wrapped = [](int at, int size) { return ((at % size) + size) % size; };
-  return s.tiles ? s.at(wrapped(x, s.width), wrapped(y, s.height)) : s.at(held(x, s.width), held(y, s.height));
+  return s.at(held(x, s.width), held(y, s.height));
 }
 
-// Everything that a pixel may need; what is not there is neutral: no noise, a saturation of 1, a mask that is free.
-struct PictureText {
+// What the text takes from elsewhere.
+struct TextInputs {
   const PictureView* camera_planes = nullptr;
   YuvToRgb camera_matrix;
   const ResponseTables* response_of_camera = nullptr;
-  bool something_in_front = false;  // else each pixel of the layer changes the picture, as without MATTE and IN_FRONT
+  vec4 steps, numbers, object;  // texels of the pixel: of dither, noise and layer
   vec4 gl_FragColor;
 
   vec3 camera_at(vec2 place) const {
@@ -189,26 +185,33 @@ struct PictureText {
     const auto entry = static_cast<std::size_t>(min(place, static_cast<float>(kResponseEntries - 2)));
     return mix(table[entry], table[entry + 1], place - static_cast<float>(entry));
   }
+};
 
+// The text twice; what is not there is neutral: no noise, a saturation of 1, a mask that is free.
 #define uniform
 #define varying
 #define const static constexpr
 #define main mix_pixel
 #define EDGE
 #define COVERAGE
-#define MATTE
-#define MATTE_NODES
-#define IN_FRONT
 #define NOISE
 #define SATURATED
 #define RESPONSE_TABLE
+struct FreeText : TextInputs {  // nothing is in front of the object
 #include "picture.frag"
 #undef shown
+};
+#define MATTE
+#define MATTE_NODES
+#define IN_FRONT
+struct OpenText : TextInputs {
+#include "picture.frag"
+#undef shown
+};
 #undef uniform
 #undef varying
 #undef const
 #undef main
-};
 
 vec2 two(const glm::dvec2& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y)};
@@ -220,12 +223,21 @@ vec4 four(const glm::dvec4& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(v.w)};
 }
 
+// A texel of a pattern that is repeated over the picture; its sides are powers of 2.
+template <class Texel>
+const Texel& repeated(const Image<Texel>& pattern, int x, int y) {
+  return pattern.at(x & (pattern.width() - 1), y & (pattern.height() - 1));
+}
+vec4 dither_at(const Image<std::uint8_t>& pattern, int x, int y) {
+  return {vec3(static_cast<float>(repeated(pattern, x, y)) * (1.0F / 255.0F)), 1.0F};
+}
+
 // The nodes of the matte as matte.frag finds them, behind in the left half, in front in the right one.
-Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const PictureText& text) {
+Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const OpenText& text, const Image<std::uint8_t>& dither) {
   constexpr double kClearFalloff = -2.0, kFrontFalloff = -1.0;  // as in matte.cpp
   Image<glm::u8vec4> nodes(2 * matte.columns, matte.rows, glm::u8vec4{0});
   const vec2 size(static_cast<float>(text.camera_planes->width), static_cast<float>(text.camera_planes->height));
-  PictureText own = text;
+  OpenText own = text;
   for (const MatteNode& node : matte.nodes) {
     const glm::dvec2 middle = glm::dvec2(matte.corner_px) + (glm::dvec2(node.at) + 0.5) * double(matte.cell_px) - 0.5;
     for (const bool front : {false, true}) {
@@ -241,7 +253,9 @@ Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const PictureText& text) {
       }
       if (weight <= 0.0F) continue;
       const glm::ivec2 at{node.at.x + (front ? matte.columns : 0), node.at.y};
-      const float step = own.dither({static_cast<float>(at.x) + 0.5F, static_cast<float>(at.y) + 0.5F}) / 255.0F;
+      const vec4 steps = dither_at(dither, at.x, at.y);
+      own.dither_pattern.here = &steps;
+      const float step = own.dither({}) / 255.0F;
       const vec3 root = sqrt(sum / weight);
       const auto byte = [&](float value) {
         return static_cast<std::uint8_t>(std::lround(255.0F * clamp(value + step, 0.0F, 1.0F)));
@@ -282,30 +296,65 @@ ResponseTables::ResponseTables(const ResponseCurve& given) {
     }
 }
 
-void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
-               Image<glm::u8vec4>& mixed) {
+namespace {
+
+template <class Text>
+void mix_all(Text& text, const EdgeInputs& in, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
+             Image<glm::u8vec4>& mixed) {
   const int width = in.camera.width, height = in.camera.height;
-  PictureText text;
   text.camera_planes = &in.camera;
   text.camera_matrix = yuv_to_rgb(in.camera.encoding);
   text.response_of_camera = &in.response;
-  text.dither_pattern = sampler(sampler2D::Texel::luminance, in.patterns.dither);
-  text.noise_pattern = sampler(sampler2D::Texel::rgb, in.patterns.noise);
-  text.dither_pattern.tiles = text.noise_pattern.tiles = true;
-  text.layer = sampler(sampler2D::Texel::halves, in.layer.texels);
   text.saturation = static_cast<float>(in.measured.saturation);
   text.noise_shot = three(in.noise.shot);
   text.noise_read2 = three(in.noise.read * in.noise.read);
   const glm::ivec2 noise_first = noise_start(in.noise.pattern % kNoisePatterns);
+  text.dither_pattern.here = &text.steps;
+  text.noise_pattern.here = &text.numbers;
+  text.layer.here = &text.object;
+  const PixelBox& box = in.layer.box;
+  for (const PixelBox& part : rectangles)
+    for (int y = part.top; y < part.bottom; ++y) {
+      const AirlightRow airlight(in.measured, y);
+      for (int x = part.left; x < part.right; ++x) {
+        const glm::vec4& texel = in.layer.texels.at(x - box.left, y - box.top);
+        if (texel.a <= 0.0F) continue;
+        text.object = {texel.r, texel.g, texel.b, texel.a};
+        text.steps = dither_at(in.patterns.dither, x, y);
+        const glm::vec3 noise =
+            glm::vec3(repeated(in.patterns.noise, x + noise_first.x, y + noise_first.y)) * (1.0F / 255.0F);
+        text.numbers = {vec3(noise.x, noise.y, noise.z), 1.0F};
+        text.v_picture = {(static_cast<float>(x) + 0.5F) / static_cast<float>(width),
+                          (static_cast<float>(y) + 0.5F) / static_cast<float>(height)};
+        text.v_airlight_root = sqrt(three(airlight.at(x) * in.layer.unit));
+        text.mix_pixel();
+        const vec4& seen = text.gl_FragColor;
+        if (seen.a <= 0.0F) continue;
+        const auto byte = [](float value) {
+          return static_cast<std::uint8_t>(static_cast<int>(255.0F * clamp(value, 0.0F, 1.0F) + 0.5F));
+        };
+        mixed.at(x - first.x, y - first.y) = {byte(seen.r), byte(seen.g), byte(seen.b),
+                                              std::max<std::uint8_t>(byte(seen.a), 1)};
+      }
+    }
+}
 
-  text.something_in_front = in.foreground || in.passers;
+}  // namespace
+
+void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
+               Image<glm::u8vec4>& mixed) {
+  if (!in.foreground && !in.passers) {
+    FreeText text;
+    return mix_all(text, in, rectangles, first, mixed);
+  }
+  OpenText text;
   constexpr std::uint8_t kAll = 255;  // of a mask
   const Image<std::uint8_t> free(1, 1, kAll);
   text.foreground = in.foreground ? sampler(sampler2D::Texel::luminance_alpha, *in.foreground)
                                   : sampler(sampler2D::Texel::luminance, free);
   const Image<glm::u8vec4> nobody(1, 1, glm::u8vec4{0, 0, 0, kAll});
   text.in_front = sampler(sampler2D::Texel::rgba, in.passers ? in.passers->pixels : nobody);
-  const glm::dvec2 size(width, height);
+  const glm::dvec2 size(in.camera.width, in.camera.height);
   const glm::dvec2 passers_size(text.in_front.width, text.in_front.height);
   const glm::dvec2 passers_first = in.passers ? glm::dvec2(in.passers->left, in.passers->top) : glm::dvec2(0.0);
   text.in_front_place = four({size / passers_size, -passers_first / passers_size});
@@ -314,7 +363,10 @@ void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, gl
   text.matte_place = vec4(0.0F);
   text.matte_last = text.matte_half = vec2(0.5F);
   if (in.matte) {
-    nodes = nodes_of(*in.matte, text);
+    text.camera_planes = &in.camera;
+    text.camera_matrix = yuv_to_rgb(in.camera.encoding);
+    text.response_of_camera = &in.response;
+    nodes = nodes_of(*in.matte, text, in.patterns.dither);
     const glm::dvec2 count{in.matte->columns, in.matte->rows}, cells = count * double(in.matte->cell_px);
     text.matte_place = four({size / cells, -glm::dvec2(in.matte->corner_px) / cells});
     text.matte_half = two(0.5 / count);
@@ -322,31 +374,7 @@ void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, gl
   }
   text.matte_nodes = sampler(sampler2D::Texel::rgba, nodes);
   text.matte_nodes.smooth = true;
-
-  const PixelBox& box = in.layer.box;
-  const glm::vec2 layer_size(box.right - box.left, box.bottom - box.top);
-  for (const PixelBox& part : rectangles)
-    for (int y = part.top; y < part.bottom; ++y)
-      for (int x = part.left; x < part.right; ++x) {
-        if (in.layer.texels.at(x - box.left, y - box.top).a <= 0.0F) continue;
-        const float px = static_cast<float>(x) + 0.5F, py = static_cast<float>(y) + 0.5F;
-        text.v_pixel = {px, py};
-        text.v_picture = {px / static_cast<float>(width), py / static_cast<float>(height)};
-        text.v_layer = {(px - static_cast<float>(box.left)) / layer_size.x,
-                        (py - static_cast<float>(box.top)) / layer_size.y};
-        text.v_noise = {(px + static_cast<float>(noise_first.x)) / kNoiseSize,
-                        (py + static_cast<float>(noise_first.y)) / kNoiseSize};
-        const glm::dvec3 root = glm::sqrt(airlight_at(in.measured, {x, y}) * in.layer.unit);
-        text.v_airlight_root = three(root);
-        text.mix_pixel();
-        const vec4& seen = text.gl_FragColor;
-        if (seen.a <= 0.0F) continue;
-        const auto byte = [](float value) {
-          return static_cast<std::uint8_t>(std::lround(255.0F * clamp(value, 0.0F, 1.0F)));
-        };
-        mixed.at(x - first.x, y - first.y) = {byte(seen.r), byte(seen.g), byte(seen.b),
-                                              std::max<std::uint8_t>(byte(seen.a), 1)};
-      }
+  mix_all(text, in, rectangles, first, mixed);
 }
 
 }  // namespace kasumi

@@ -85,11 +85,7 @@ void main() {
   own *= open_share;
   light = max(light + own - coverage * open_behind, 0.0);
   coverage *= open_share;
-#if defined(GL_ES)
   bool changes = coverage > kLeastCoverage;
-#else
-  bool changes = something_in_front ? coverage > kLeastCoverage : object.a > 0.0;
-#endif
 #else
   light = light * (1.0 - coverage) + own;
   bool changes = object.a > 0.0;
