@@ -13,32 +13,6 @@ namespace {
 constexpr int kSteps = 8;                                      // of a block's coefficients, each way
 constexpr std::string_view kWhat = "the camera's processing";  // in messages
 
-// Blocks of the object in which something else is to be seen, or next to which.
-BlockMap live_blocks_of(const PixelBox& part, const ObjectInPicture& object) {
-  BlockMap live = blocks_of(part, object.changed);
-  const int width = part.right - part.left, height = part.bottom - part.top;
-  Image<std::uint8_t> covered(width, height, 0);
-  for (const PixelBox& box : object.covered)
-    for (int y = box.top; y < box.bottom; ++y)
-      std::fill_n(&covered.at(box.left - part.left, y - part.top), box.right - box.left, std::uint8_t{1});
-  const auto is_covered = [&](int left, int top) {
-    for (int y = top - 1; y <= top + kBlock_px; ++y)
-      for (int x = left - 1; x <= left + kBlock_px; ++x)
-        if (x < 0 || y < 0 || x >= width || y >= height || covered.at(x, y) == 0) return false;
-    return true;
-  };
-  for (int y = 0; y < live.height(); ++y)
-    for (int x = 0; x < live.width(); ++x)
-      if (live.at(x, y) && is_covered(x * kBlock_px, y * kBlock_px)) live.at(x, y) = 0;
-  return live;
-}
-
-// A rectangle of the part's pixels, with the neighbours that sharpening looks at, in the picture's.
-PixelBox with_neighbours(const PixelBox& box, const PixelBox& part, glm::ivec2 picture) {
-  return {std::max(part.left + box.left - 1, 0), std::max(part.top + box.top - 1, 0),
-          std::min(part.left + box.right + 1, picture.x), std::min(part.top + box.bottom + 1, picture.y)};
-}
-
 // As jpeg.frag has them. Steps above 255 levels leave nothing, as 255 does.
 GlTexture upload_steps(const JpegSteps& steps) {
   std::array<std::uint8_t, 2 * 2 * kSteps * kSteps> texels{};
@@ -74,7 +48,7 @@ Result<CameraProcessing> CameraProcessing::create(const ObjectInPicture& object,
   made.options_ = std::move(options);
   made.object_ = object;
   made.part_ = blocks_around(object.changed);
-  const auto live = rectangles_of(live_blocks_of(made.part_, object));
+  const auto live = rectangles_of(live_blocks_of(made.part_, object.changed, object.covered));
   made.blocks_ = PictureMesh::upload({rectangles_of(blocks_of(made.part_, object.changed))});
   made.live_blocks_ = PictureMesh::upload({live});
   for (const PixelBox& box : live) made.live_pixels_.push_back(with_neighbours(box, made.part_, object.picture));

@@ -39,6 +39,26 @@ BlockMap blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed) {
   return taken;
 }
 
+BlockMap live_blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed,
+                        const std::vector<PixelBox>& covered) {
+  BlockMap live = blocks_of(part, changed);
+  const int width = part.right - part.left, height = part.bottom - part.top;
+  Image<std::uint8_t> mask(width, height, 0);
+  for (const PixelBox& box : covered)
+    for (int y = box.top; y < box.bottom; ++y)
+      std::fill_n(&mask.at(box.left - part.left, y - part.top), box.right - box.left, std::uint8_t{1});
+  const auto is_covered = [&](int left, int top) {
+    for (int y = top - 1; y <= top + kBlock_px; ++y)
+      for (int x = left - 1; x <= left + kBlock_px; ++x)
+        if (!mask.contains(x, y) || mask.at(x, y) == 0) return false;
+    return true;
+  };
+  for (int y = 0; y < live.height(); ++y)
+    for (int x = 0; x < live.width(); ++x)
+      if (live.at(x, y) && is_covered(x * kBlock_px, y * kBlock_px)) live.at(x, y) = 0;
+  return live;
+}
+
 std::vector<PixelBox> rectangles_of(const BlockMap& blocks) {
   std::vector<PixelBox> found;
   for (int y = 0; y < blocks.height(); ++y)
@@ -48,6 +68,11 @@ std::vector<PixelBox> rectangles_of(const BlockMap& blocks) {
       if (blocks.at(first, y)) found.push_back({first * kBlock_px, y * kBlock_px, x * kBlock_px, (y + 1) * kBlock_px});
     }
   return found;
+}
+
+PixelBox with_neighbours(const PixelBox& box, const PixelBox& part, glm::ivec2 picture) {
+  return {std::max(part.left + box.left - 1, 0), std::max(part.top + box.top - 1, 0),
+          std::min(part.left + box.right + 1, picture.x), std::min(part.top + box.bottom + 1, picture.y)};
 }
 
 }  // namespace kasumi

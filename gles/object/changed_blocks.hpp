@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/vec2.hpp>
+
 #include "base/image.hpp"
 #include "gles/scene.hpp"
 
@@ -16,7 +18,12 @@ PixelBox blocks_around(const std::vector<PixelBox>& changed);
 // By rows of blocks of `part`, 0 or 1 each: those that hold a changed pixel or its neighbour.
 using BlockMap = Image<std::uint8_t>;
 BlockMap blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed);
+// Those of them in which, and next to which, something else is to be seen than in `covered`.
+BlockMap live_blocks_of(const PixelBox& part, const std::vector<PixelBox>& changed,
+                        const std::vector<PixelBox>& covered);
 // In rectangles of a row of blocks each, in pixels from the part's corner.
 std::vector<PixelBox> rectangles_of(const BlockMap& blocks);
+// A rectangle of the part's pixels with its neighbours, in the picture's.
+PixelBox with_neighbours(const PixelBox& box, const PixelBox& part, glm::ivec2 picture);
 
 }  // namespace kasumi

@@ -209,10 +209,10 @@ Result<> Composite::finish(Programs& programs, const CameraFrame& frame, const P
   return {};
 }
 
-Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, const CameraFrame& frame,
-                                                            const ObjectLayer& layer, const AirlightGrid& measured,
-                                                            const SensorNoise& noise, const GlInfo& info) {
-  if (frame.passers || fully_covered_.empty()) return nullptr;
+Result<CoveredPixels> Composite::covered_pixels(Programs& programs, const CameraFrame& frame, const ObjectLayer& layer,
+                                                const AirlightGrid& measured, const SensorNoise& noise,
+                                                const GlInfo& info) {
+  if (frame.passers || fully_covered_.empty()) return CoveredPixels{};
   // The camera has no part in these pixels, but edges are drawn by another program than covered rectangles. Texture 0
   // stands for the camera's picture: black.
   const CameraTextures none{CameraTextures::Source::uploaded,
@@ -223,7 +223,9 @@ Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, 
                             {}};
   const CameraFrame alone{none, frame.response, frame.dither};
   const PictureOnTarget shown(covered_, none.width, none.height);
+  std::uint64_t& drawing = drawing_of_[noise.none() ? 0 : noise.pattern % kNoisePatterns];
   const auto draw_covered = [&]() -> Result<> {
+    drawing = ++drawings_;
     for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
       if (auto drawn = draw_area(area, nullptr, {}, programs, alone, shown, layer, measured, noise, nullptr); !drawn)
         return drawn;
@@ -231,7 +233,11 @@ Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, 
   };
   const auto found = for_processor_.find(shown, covered_, {measured, noise}, info, draw_covered);
   if (!found) return fail(found.error());
-  if (*found) return for_processor_.read();
+  if (*found) {
+    const auto kept = for_processor_.read();
+    if (!kept) return fail(kept.error());
+    return CoveredPixels{*kept, drawing};
+  }
   const int width = covered_.right - covered_.left, height = covered_.bottom - covered_.top;
   const auto buffer = LayerBuffer::create(width, height, true, info, "the object's pixels");
   if (!buffer) return fail(buffer.error());
@@ -240,7 +246,7 @@ Result<const Image<glm::u8vec4>*> Composite::covered_pixels(Programs& programs, 
   auto pixels = read_pixels(*buffer, width, height);
   if (!pixels) return fail(pixels.error());
   not_kept_ = std::move(*pixels);
-  return &not_kept_;
+  return CoveredPixels{&not_kept_, drawing};
 }
 
 Result<> Composite::draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {

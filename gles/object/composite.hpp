@@ -1,6 +1,8 @@
 // Draws the camera's picture with the object's layer over it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
 
 #include "gles/object/camera_processing.hpp"
@@ -27,6 +29,12 @@ struct CameraFrame {
   int passers_unit = -1;                   // where the foreground leaves pixels open; < 0: the driver has none
   int spare_unit = -1;                     // beyond those that GLES 2 promises; < 0: the driver has none
   void bind(const Program& program, const PictureOnTarget& shown) const;
+};
+
+// The object's covered pixels in memory.
+struct CoveredPixels {
+  const Image<glm::u8vec4>* pixels = nullptr;  // of Composite::covered(); null: none
+  std::uint64_t drawing = 0;                   // > 0; another one: they may have changed
 };
 
 // The picture's cutting and the noise, which stay the same between frames.
@@ -59,11 +67,10 @@ class Composite {
   // another framebuffer.
   Result<> finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
                   const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
-  // What draw() shows in fully_covered(), an image of covered(), for the processor to mix; null: nowhere. It is drawn
-  // only when its look changes. Errors: device.
-  Result<const Image<glm::u8vec4>*> covered_pixels(Programs& programs, const CameraFrame& frame,
-                                                   const ObjectLayer& layer, const AirlightGrid& measured,
-                                                   const SensorNoise& noise, const GlInfo& info);
+  // What draw() shows in fully_covered(), for the processor to mix. It is drawn only when its look changes. Errors:
+  // device.
+  Result<CoveredPixels> covered_pixels(Programs& programs, const CameraFrame& frame, const ObjectLayer& layer,
+                                       const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
   const std::vector<PixelBox>& rectangles(PictureArea area) const {
     return rectangles_[static_cast<std::size_t>(area)];
   }
@@ -115,10 +122,12 @@ class Composite {
   Part part_;                         // drawn last; without boxes: none
   std::optional<PictureMesh> whole_;  // the same without a layer
   glm::ivec2 whole_size_{};
-  FinishedPixels finished_, for_processor_;  // the latter with the edges' covered pixels
-  bool is_finished_ = false;                 // for the picture to be drawn
-  Image<glm::u8vec4> not_kept_;              // covered_pixels() of a look that has just changed
-  GlTexture noise_;                          // created with the first frame that needs it
+  FinishedPixels finished_, for_processor_;                 // the latter with the edges' covered pixels
+  bool is_finished_ = false;                                // for the picture to be drawn
+  Image<glm::u8vec4> not_kept_;                             // covered_pixels() of a look that has just changed
+  std::array<std::uint64_t, kNoisePatterns> drawing_of_{};  // of covered pixels that were kept
+  std::uint64_t drawings_ = 0;
+  GlTexture noise_;  // created with the first frame that needs it
 };
 
 }  // namespace kasumi

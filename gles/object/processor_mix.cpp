@@ -24,6 +24,29 @@ glm::ivec2 corner(const PixelBox& box) {
 
 ProcessorMix::ProcessorMix() : response_(ResponseCurve{}), patterns_{dither_texels(), noise_texels()} {}
 
+void ProcessorMix::take_layer(LayerTexels layer, const Composite& composite) {
+  layer_ = std::move(layer);
+  edges_.clear();
+  const PixelBox& box = layer_.box;
+  Image<std::uint8_t> mixed(box.right - box.left, box.bottom - box.top, 0);
+  const auto set = [&](const std::vector<PixelBox>& rectangles, std::uint8_t value) {
+    for (const PixelBox& part : rectangles)
+      for (int y = part.top; y < part.bottom; ++y)
+        std::fill_n(mixed.row(y - box.top) + (part.left - box.left), part.right - part.left, value);
+  };
+  set(composite.rectangles(PictureArea::edge), 1);
+  set(composite.fully_covered(), 0);
+  for (int y = 0; y < mixed.height(); ++y)
+    for (int x = 0; x < mixed.width(); ++x) {
+      if (mixed.at(x, y) == 0 || layer_.texels.at(x, y).a <= 0.0F) continue;
+      const int left = box.left + x, top = box.top + y;
+      if (!edges_.empty() && edges_.back().top == top && edges_.back().right == left)
+        ++edges_.back().right;
+      else
+        edges_.push_back({left, top, left + 1, top + 1});
+    }
+}
+
 const Image<glm::u8vec4>& ProcessorMix::background() {
   to_rgba(planes_.view(), picture_);
   return picture_;
@@ -41,18 +64,18 @@ const Image<glm::u8vec4>& ProcessorMix::mix(const Parts& parts) {
                           parts.measured,
                           parts.noise};
   // With passers before it, all of the object is an edge.
-  const auto edges = parts.passers ? parts.composite.changed() : parts.composite.rectangles(PictureArea::edge);
+  const auto mixed = parts.passers ? parts.composite.changed() : edges_;
   if (!parts.processing.none()) {
-    mix_processed(parts, inputs, edges);
+    mix_processed(parts, inputs, mixed);
     return picture_;
   }
-  mix_edges(inputs, edges, {0, 0}, picture_);
-  if (parts.covered)
-    copy_pixels(parts.composite.fully_covered(), *parts.covered, corner(parts.composite.covered()), picture_, {0, 0});
+  mix_edges(inputs, mixed, {0, 0}, picture_);
+  if (const auto* pixels = parts.covered.pixels)
+    copy_pixels(parts.composite.fully_covered(), *pixels, corner(parts.composite.covered()), picture_, {0, 0});
   return picture_;
 }
 
-void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& edges) {
+void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& mixed) {
   const glm::ivec2 size{picture_.width(), picture_.height()};
   const ObjectInPicture object{parts.composite.changed(), parts.composite.fully_covered(), size};
   if (object.changed.empty()) return;
@@ -61,18 +84,17 @@ void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, c
   const glm::ivec2 first = corner(part);
   if (composite_.width() != part.right - part.left || composite_.height() != part.bottom - part.top)
     composite_ = Image<glm::u8vec4>(part.right - part.left, part.bottom - part.top);
-  const int right = std::min(part.right, size.x), bottom = std::min(part.bottom, size.y);
-  for (int y = part.top; y < bottom; ++y)
-    std::transform(picture_.row(y) + part.left, picture_.row(y) + right, composite_.row(y - part.top),
-                   [](const glm::u8vec4& seen) { return glm::u8vec4(seen.x, seen.y, seen.z, 0); });
-  mix_edges(inputs, edges, first, composite_);
-  if (parts.covered)
-    copy_pixels(parts.composite.fully_covered(), *parts.covered, corner(parts.composite.covered()), composite_, first);
-  processing_->apply(picture_, composite_);
-  for (const PixelBox& box : object.changed)
+  const std::size_t pattern = parts.noise.none() ? 0 : parts.noise.pattern % kNoisePatterns;
+  const auto& wanted = processing_->begin(pattern, parts.covered.drawing);
+  for (const PixelBox& box : wanted.pixels)
     for (int y = box.top; y < box.bottom; ++y)
-      for (int x = box.left; x < box.right; ++x)
-        if (const glm::u8vec4& seen = composite_.at(x - first.x, y - first.y); seen.w > 0) picture_.at(x, y) = seen;
+      std::transform(picture_.row(y) + box.left, picture_.row(y) + box.right,
+                     composite_.row(y - first.y) + (box.left - first.x),
+                     [](const glm::u8vec4& seen) { return glm::u8vec4(seen.x, seen.y, seen.z, 0); });
+  mix_edges(inputs, mixed, first, composite_);
+  if (const auto* pixels = parts.covered.pixels)
+    copy_pixels(wanted.covered, *pixels, corner(parts.composite.covered()), composite_, first);
+  processing_->apply(picture_, composite_);
 }
 
 Result<CameraTextures> ProcessorMix::upload(const Image<glm::u8vec4>& picture, const GlInfo& info) {

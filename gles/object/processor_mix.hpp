@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <glm/gtc/type_precision.hpp>
 
@@ -23,7 +24,7 @@ class ProcessorMix {
 
   // What stays between pictures.
   void take_response(const ResponseCurve& response) { response_ = ResponseTables(response); }
-  void take_layer(LayerTexels layer) { layer_ = std::move(layer); }
+  void take_layer(LayerTexels layer, const Composite& composite);
   void take_matte(MatteNodes nodes) { nodes_ = std::move(nodes); }
   // Each picture's own. Errors: bad_input (no pixels, planes too small).
   Result<> take_picture(const PictureView& picture) { return planes_.take(picture); }
@@ -37,7 +38,7 @@ class ProcessorMix {
   const Image<glm::u8vec4>& background();
   struct Parts {
     const Composite& composite;
-    const Image<glm::u8vec4>* covered;     // as Composite::covered_pixels()
+    const CoveredPixels& covered;
     const Image<glm::u8vec2>* foreground;  // as EdgeInputs has it
     bool matte, passers;                   // those taken count
     ProcessingOptions processing;
@@ -50,13 +51,14 @@ class ProcessorMix {
   Result<CameraTextures> upload(const Image<glm::u8vec4>& picture, const GlInfo& info);
 
  private:
-  void mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& edges);
+  void mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& mixed);
 
   KeptPlanes planes_;
   Image<glm::u8vec4> picture_, composite_;
   ResponseTables response_;
   MixPatterns patterns_;
   LayerTexels layer_;
+  std::vector<PixelBox> edges_;  // the pixels that the layer covers in part, a rectangle for each run of a row
   MatteNodes nodes_;
   InFront passers_;
   std::optional<MixedProcessing> processing_;

@@ -226,7 +226,7 @@ Result<> Renderer::State::finish_layer(ObjectLayer drawn) {
   if (mix) {
     auto stored = drawn.read_texels();
     if (!stored) return fail(stored.error());
-    mix->take_layer({drawn.box(), drawn.unit(), std::move(*stored)});
+    mix->take_layer({drawn.box(), drawn.unit(), std::move(*stored)}, composite);
   }
   if (processing) processing->forget();
   if (auto found = find_matte(); !found) return found;
