@@ -16,5 +16,7 @@ inline bool is_fits(std::span<const std::uint8_t> file) {
 }
 // The value without quotes and the blanks at its end; empty: the keyword is not there, or its line is no value.
 std::optional<std::string> fits_value(std::span<const std::uint8_t> file, std::string_view keyword);
+// What stands behind its slash; empty: nothing.
+std::optional<std::string> fits_comment(std::span<const std::uint8_t> file, std::string_view keyword);
 
 }  // namespace kasumi

@@ -27,9 +27,12 @@ constexpr std::size_t kMostMembers = 5'000'000, kMostMemberBytes = 256 << 20;
 // than that or names longer than a path may be).
 Result<std::vector<std::string>> members_of(const std::filesystem::path& archive);
 
-// What the file, or the member of an archive, holds. Any thread may call it; each keeps the archive that it read last
-// open, so that members asked for in the archive's order are each reached by one step. Errors: as read_file();
-// bad_input (damaged, encrypted, larger than that, or no such member).
-Result<std::vector<std::uint8_t>> read_picture_bytes(const std::filesystem::path& path);
+// What the file, or the member of an archive, holds; of a file its first `most` bytes alone, of a member perhaps more.
+// Any thread may call it. Of a zip or plain tar each keeps the one that it read last open: members in its order are each
+// reached by a step, others of a tar by their place once they were passed. A compressed tar is read once for all
+// threads: of what is passed over kMostKept bytes are kept. What was passed before that is read from the start again.
+// Errors: as read_file(); bad_input (damaged, encrypted, larger than that, or no such member).
+constexpr std::size_t kMostKept = 32 << 20;
+Result<std::vector<std::uint8_t>> read_picture_bytes(const std::filesystem::path& path, std::size_t most = SIZE_MAX);
 
 }  // namespace kasumi

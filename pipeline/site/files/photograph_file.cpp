@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
+#include "base/fits_header.hpp"
 #include "base/picture_files/picture_file.hpp"
 #include "base/picture_files/rare_files.hpp"
 #include "base/picture_files/seen_picture.hpp"
@@ -25,7 +26,7 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
-Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage) {
+Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage, TakenAt* taken) {
   const auto bytes = read_picture_bytes(path);
   if (!bytes) return fail(bytes.error());
   const auto header = picture_header(*bytes);
@@ -41,6 +42,7 @@ Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* 
   if (image.picture.empty())
     return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF, PNM or FITS)",
                 path.string());
+  if (taken) *taken = is_fits(*bytes) ? taken_at(*bytes) : taken_by_exif(image.exif);
   // Decoders make grey of what is missing, without a word.
   if (damage) damage->clear();
   if (is_jpeg(*bytes))
@@ -132,8 +134,8 @@ Result<std::vector<std::uint8_t>> with_exif(Result<std::vector<std::uint8_t>> jp
 
 }  // namespace
 
-Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage) {
-  const auto seen = decode_file(path, damage);
+Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage, TakenAt* taken) {
+  const auto seen = decode_file(path, damage, taken);
   if (!seen) return fail(seen.error());
   const cv::Mat* image = &seen->picture;
   cv::Mat rgb;

@@ -8,6 +8,7 @@
 #include "pipeline/site/files/archive_members.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_times.hpp"
+#include "pipeline/site/files/taken_at.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/pipeline/site/files/packed.hpp"
 #include "tests/places.hpp"
@@ -65,6 +66,35 @@ TEST_P(ArchiveMembers, AnArchiveCutAnywhereIsRefusedInWords) {
   EXPECT_THAT(members_of(path).error().message, HasSubstr("cannot be read as tar or zip: "));
 }
 
+// What a process has read from its disk so far.
+std::size_t bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string word;
+  std::size_t count = 0;
+  return io >> word >> count ? count : 0;
+}
+
+// Backwards: of a plain tar the places are known, of a compressed one what was passed over is kept, and of a zip only the
+// members' headers are passed again.
+TEST_P(ArchiveMembers, AreNotReadFromTheStartForEachOne) {
+  constexpr int kMembers = 100;
+  std::vector<std::pair<std::string, std::string>> members;
+  unsigned value = 1;
+  for (int i = 0; i < kMembers; ++i) {
+    std::string noise(50'000, ' ');
+    for (auto& c : noise) c = static_cast<char>((value = value * 1103515245u + 12345u) >> 24);
+    members.emplace_back(fmt::format("{}.jpg", i), noise);
+  }
+  pack(path, members);
+  const auto size = std::filesystem::file_size(path);
+  const auto before = bytes_read();
+  for (int i = kMembers - 1; i >= 0; --i) {
+    const auto& [name, bytes] = members[static_cast<std::size_t>(i)];
+    ASSERT_EQ(text_of(name), bytes) << name;
+  }
+  EXPECT_LT(bytes_read() - before, (path.extension() == ".zip" ? 50 : 5) * size);
+}
+
 INSTANTIATE_TEST_SUITE_P(Formats, ArchiveMembers, testing::Values(".tar", ".tar.gz", ".zip"));
 
 TEST(ArchiveMember, IsNamedBehindItsArchive) {
@@ -113,6 +143,15 @@ TEST(ArchiveMember, IsAPhotographAsItsFileIs) {
              packed = read_photograph(folder / "sky.zip:20180129_110920.jpg").value();
   EXPECT_EQ(alone.encoded.elements(), packed.encoded.elements());
   EXPECT_EQ(utc_text(picture_time(folder / "sky.zip:20180129_110920.jpg", {}).value()), "2018-01-29T11:09:20Z");
+}
+
+TEST(PictureBegin, IsAllThatATimeNeeds) {
+  const auto folder = test_folder("picture-begin");
+  std::filesystem::create_directories(folder);
+  ASSERT_TRUE(write_text_file(folder / "large.jpg", std::string(8 << 20, 'x')));
+  const auto before = bytes_read();
+  EXPECT_FALSE(picture_time(folder / "large.jpg", {}));
+  EXPECT_LT(bytes_read() - before, kTakenAtBytes + 4096);
 }
 
 }  // namespace

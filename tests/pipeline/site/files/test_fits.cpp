@@ -10,6 +10,7 @@
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_source.hpp"
 #include "pipeline/site/files/picture_times.hpp"
+#include "pipeline/site/files/taken_at.hpp"
 #include "tests/pipeline/recorded.hpp"
 
 namespace kasumi {
@@ -138,6 +139,48 @@ TEST_F(FitsPictures, TheirTimeIsInTheHeader) {
   ASSERT_TRUE(write_text_file(file, header(16, 1, key("DATE-OBS", "'yesterday'"))));
   EXPECT_FALSE(picture_time(file, {}));
   EXPECT_TRUE(is_picture_file("a.FITS") && is_picture_file("a.fit") && is_picture_file("a.fts"));
+}
+
+// As INDI, indi-allsky, N.I.N.A., Sequence Generator Pro and observatories write them.
+TEST_F(FitsPictures, TimeAndPlaceAreReadAsProgramsWriteThem) {
+  const auto taken = [](const std::string& cards) {
+    const auto bytes = header(16, 1, cards);
+    return taken_at({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+  };
+  const auto utc = [&](const std::string& cards) {
+    const auto at = taken(cards);
+    return at.utc ? utc_text(*at.utc) : at.wall ? "wall " + utc_text(*at.wall) : std::string("none");
+  };
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01T12:34:56.789' / UTC start date of observation")),
+            "2024-05-01T12:34:56.789Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01T14:34:56.123456+02:00'")), "2024-05-01T12:34:56.123456Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2020-05-30T00:22:49.0968820' / UTC observation date")), "2020-05-30T00:22:49.096882Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01'") + card("TIME-OBS= '12:34:56'")), "2024-05-01T12:34:56Z");
+  EXPECT_EQ(utc(card("DATE-BEG= '2024-05-01T12:34:56Z'")), "2024-05-01T12:34:56Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01T14:34:56' / local time")), "wall 2024-05-01T14:34:56Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01T14:34:56'") + card("TIMESYS = 'LOCAL'")), "wall 2024-05-01T14:34:56Z");
+  EXPECT_EQ(utc(card("DATE-OBS= '2024-05-01T14:34:56 noon'")), "none");
+  const auto place = [&](const std::string& cards) {
+    const auto at = taken(cards).place;
+    return at ? fmt::format("{:.3f} {:.3f} {:.0f}", at->latitude_deg, at->longitude_deg, at->altitude_m.value_or(-1.0))
+              : std::string("none");
+  };
+  EXPECT_EQ(
+      place(card("SITELAT =          46.94 / degrees") + card("SITELONG=         351.72") + key("SITEELEV", "460.")),
+      "46.940 -8.280 460")
+      << "INDI counts to 360";
+  EXPECT_EQ(place(card("SITELAT = '51 3 0.000'         / Latitude") + card("SITELONG= '-3 43 30.000'")),
+            "51.050 -3.725 -1");
+  EXPECT_EQ(place(card("LAT-OBS = '33:51:25 S'") + card("LONG-OBS= '151:12:33 E'") + key("ALT-OBS", "30")),
+            "-33.857 151.209 30");
+  EXPECT_EQ(place(key("OBSGEO-B", "46.5") + key("OBSGEO-L", "7.25") + key("OBSGEO-H", "900")), "46.500 7.250 900");
+  EXPECT_EQ(place(key("OBSGEO-X", "5327448.9957829") + key("OBSGEO-Y", "-1718665.73869569") +
+                  key("OBSGEO-Z", "3051566.90295403")),
+            "28.758 -17.880 2327")
+      << "La Palma, at 28.7583 N";
+  EXPECT_EQ(place(key("SITELAT", "0.0") + key("SITELONG", "0.0")), "none") << "as nobody set it";
+  EXPECT_EQ(place(key("SITELAT", "95.0") + key("SITELONG", "8.0")), "none");
+  EXPECT_EQ(place(card("SITELAT = 'north'") + key("SITELONG", "8.0")), "none");
 }
 
 TEST_F(FitsPictures, HostileOnesAreRefusedInWords) {
