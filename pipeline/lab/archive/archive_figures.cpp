@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/utc_text.hpp"
+#include "pipeline/lab/archive/archive_record.hpp"
 
 namespace kasumi {
 namespace {
@@ -60,6 +61,10 @@ std::optional<double> Cell::cloud() const {
 void ArchiveFigures::add(const nlohmann::json& record) {
   ++pictures_;
   auto refused = text_in(record, "refused");
+  if (refused == kExposureOfStack) {
+    ++exposures_;
+    return;
+  }
   if (refused.empty() && number_in(record, "sun_zenith_deg").value_or(0.0) > kBelowHorizon_deg) {
     refused = "night";
     ++nights_;

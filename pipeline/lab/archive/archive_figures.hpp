@@ -48,8 +48,9 @@ class ArchiveFigures {
 
   std::size_t pictures() const { return pictures_; }
   std::size_t usable() const { return usable_; }
-  std::size_t nights() const { return nights_; }      // usable but for the sun, which was below the horizon
-  std::size_t timeless() const { return timeless_; }  // pictures without a time, in no day
+  std::size_t nights() const { return nights_; }        // usable but for the sun, which was below the horizon
+  std::size_t exposures() const { return exposures_; }  // of stacks, beside the one that has the stack's answer
+  std::size_t timeless() const { return timeless_; }    // pictures without a time, in no day
   const std::optional<Utc>& first() const { return first_; }
   const std::optional<Utc>& last() const { return last_; }
   std::chrono::minutes ahead() const { return ahead_; }
@@ -61,7 +62,7 @@ class ArchiveFigures {
 
  private:
   std::chrono::minutes ahead_;
-  std::size_t pictures_ = 0, usable_ = 0, timeless_ = 0, nights_ = 0;
+  std::size_t pictures_ = 0, usable_ = 0, timeless_ = 0, nights_ = 0, exposures_ = 0;
   std::optional<Utc> first_, last_;
   std::map<std::chrono::sys_days, Cell> days_;
   std::array<std::array<Cell, 24>, 12> hours_;

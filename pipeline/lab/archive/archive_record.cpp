@@ -49,6 +49,16 @@ std::string unread_record(const std::string& image, const std::optional<Utc>& ut
   return record_of(std::move(answer), utc, "could not be read", place);
 }
 
+std::string exposure_record(const std::string& image, const std::optional<Utc>& utc, const std::string& whole,
+                            const ArchivePlace& place) {
+  nlohmann::ordered_json answer;
+  answer["image"] = image;
+  answer["usable"] = false;
+  answer["reason"] = "one exposure of the stack that is answered under " + whole;
+  answer["stack_of"] = whole;
+  return record_of(std::move(answer), utc, kExposureOfStack, place);
+}
+
 std::optional<ArchivePlace> place_in(std::string_view line) {
   const auto at = line.rfind(kPlace);
   if (at == std::string_view::npos || line.front() != '{' || line.back() != '}' ||

@@ -41,6 +41,10 @@ std::string archive_record(std::string_view answer, const std::optional<Utc>& ut
 // Of a picture that could not be read.
 std::string unread_record(const std::string& image, const std::optional<Utc>& utc, const std::string& reason,
                           const ArchivePlace& place);
+// Of a picture that is an exposure of a stack; `whole`: the picture whose record has the stack's answer.
+constexpr std::string_view kExposureOfStack = "exposure of a stack";
+std::string exposure_record(const std::string& image, const std::optional<Utc>& utc, const std::string& whole,
+                            const ArchivePlace& place);
 
 // What such a line, without its newline, ends with; empty: it is no whole record.
 std::optional<ArchivePlace> place_in(std::string_view line);

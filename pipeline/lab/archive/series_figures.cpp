@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/utc_text.hpp"
+#include "pipeline/lab/archive/archive_record.hpp"
 
 namespace kasumi {
 namespace {
@@ -61,7 +62,7 @@ std::optional<double> MonthOfSky::radius_px() const {
 
 void SeriesFigures::add(const nlohmann::json& record) {
   const auto utc = parse_utc(words_at(record, "utc"));
-  if (!utc) return;
+  if (!utc || words_at(record, "refused") == kExposureOfStack) return;
   auto& month = months_[month_of(std::chrono::floor<std::chrono::days>(*utc + ahead_))];
   const auto fate = fate_of(record);
   month.add(fate);

@@ -69,6 +69,7 @@ std::string summary_json(const ArchiveSummary& summary) {
   if (figures.first()) json["first_utc"] = utc_text(*figures.first());
   if (figures.last()) json["last_utc"] = utc_text(*figures.last());
   json["left_out_by_night"] = figures.nights();
+  json["exposures_of_stacks"] = figures.exposures();
   json["trend_aod_550"] = json_of_trend(figures);
   json["photometer"] = nullptr;
   if (summary.photometer) json["photometer"] = json_of_photometer(*summary.photometer);

@@ -1,5 +1,6 @@
 #include "pipeline/lab/archive/summary_page.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 
@@ -91,10 +92,13 @@ std::string summary_page(const ArchiveSummary& summary) {
       "pictures</title>\n"
       "<style>{}</style>\n</head>\n<body>\n<main>\n<h1>Archive of sky pictures</h1>\n",
       kSummaryStyle);
-  const double share = 100.0 * static_cast<double>(figures.usable()) / static_cast<double>(figures.pictures());
+  const auto counted = std::max<std::size_t>(1, figures.pictures() - figures.exposures());
+  const double share = 100.0 * static_cast<double>(figures.usable()) / static_cast<double>(counted);
   page.add("<p>{} pictures, each exactly once", figures.pictures());
   if (figures.first()) page.add(", from {} to {}", utc_text(*figures.first()), utc_text(*figures.last()));
   page.add(". The air is known from {} of them ({:.1f} %).", figures.usable(), share);
+  if (figures.exposures() > 0)
+    page.add(" {} are exposures of stacks, each counted once, by its first picture.", figures.exposures());
   if (figures.timeless() > 0) page.add(" {} have no time: they are in no plot over time.", figures.timeless());
   if (figures.nights() > 0)
     page.add(" {} are left out by rule: the sun was below the horizon, and their light the moon's or a lamp's.",

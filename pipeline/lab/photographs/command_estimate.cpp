@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <map>
@@ -35,6 +36,11 @@ struct ImageJob {
   std::optional<ArchivePlace> place{};     // of a record
 };
 
+struct StackJob {
+  SkyStack stack;
+  ArchivePlace place;  // of the first that is to be answered
+};
+
 // The landmarks' result from the scene camera's picture of the same time, compared with the sky.
 std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
                              const SkyPhotographReport* report, bool json) {
@@ -54,9 +60,27 @@ std::filesystem::path plot_path(const EstimateArguments& arguments, const std::f
 }
 
 struct Answer {
-  std::string text;     // for standard output
-  std::string error;    // for standard error
-  std::string useless;  // why nothing is known from it; empty: something is, or `error` says more
+  std::string text;         // for standard output
+  std::string error;        // for standard error
+  std::string useless;      // why nothing is known from it; empty: something is, or `error` says more
+  std::string elsewhere{};  // where the file says that it was taken, where that contradicts the place given
+};
+
+// Files whose own place is not the one given: the first and their number, for the end.
+class Elsewhere {
+ public:
+  void add(const std::filesystem::path& file, const std::string& elsewhere) {
+    if (!elsewhere.empty() && count_++ == 0) first_ = file.string() + ": " + elsewhere;
+  }
+  void print() const {
+    if (count_ > 0)
+      fmt::print(stderr, "kasumi: {} picture{} of another place than the one given, which is followed: {}\n", count_,
+                 count_ == 1 ? " is" : "s are", first_);
+  }
+
+ private:
+  std::size_t count_ = 0;
+  std::string first_;
 };
 
 // What one thread keeps of each camera.
@@ -73,6 +97,36 @@ class Worker {
   std::map<std::size_t, SkyPhotographs> photographs_;
 };
 
+Answer answer_of(const EstimateArguments& arguments, const SceneVisibilities* scenes, const ImageJob& job,
+                 const SkyPhotographReport& report) {
+  const auto& file = job.input.file;
+  const auto landmarks_text =
+      job.scene ? landmarks_answer(*scenes, *job.scene, &report, arguments.json) : std::string();
+  Answer answer;
+  if (report.off_m) answer.elsewhere = other_place(report);
+  if (!report.look.estimate.usable && !(job.scene && job.scene->usable()))
+    answer.useless = why_useless(report.look.estimate);
+  if (job.place)
+    answer.text = archive_record(estimate_json(file, report, ""), report.utc, answer.useless, *job.place);
+  else if (arguments.csv)
+    answer.text = estimate_csv_line(estimate_json(file, report, ""), report.utc);
+  else
+    answer.text =
+        arguments.json ? estimate_json(file, report, landmarks_text) : estimate_text(file, report) + landmarks_text;
+  if ((arguments.plot || !arguments.plot_dir.empty()) && report.picture) {
+    const auto path = plot_path(arguments, file);
+    const auto& estimate = report.look.estimate;
+    auto title = fmt::format("{}: {}", file.filename().string(), estimate.reason);
+    if (estimate.usable)
+      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", file.filename().string(),
+                          estimate.turbidity.value, estimate.sigma, report.quality->aod_550,
+                          aerosol_sigmas(estimate, *report.air).aod_550);
+    if (auto written = write_png(path, plot_fit(*report.picture, report.look, title)); !written)
+      answer.error = written.error().message;
+  }
+  return answer;
+}
+
 Answer answer_of(const EstimateArguments& arguments, Worker& worker, const SceneVisibilities* scenes,
                  const ImageJob& job) {
   const auto& [file, utc, problem, camera, label] = job.input;
@@ -82,32 +136,32 @@ Answer answer_of(const EstimateArguments& arguments, Worker& worker, const Scene
   };
   if (!problem.empty()) return unread(problem);
   const auto report = worker.of(camera).estimate_from(file, utc);
-  if (!report) return unread(report.error().message);
-  const auto landmarks_text =
-      job.scene ? landmarks_answer(*scenes, *job.scene, &*report, arguments.json) : std::string();
-  Answer answer;
-  if (!report->look.estimate.usable && !(job.scene && job.scene->usable()))
-    answer.useless = why_useless(report->look.estimate);
-  if (job.place)
-    answer.text =
-        archive_record(estimate_json(file, *report, ""), worker.utc_of(job.input), answer.useless, *job.place);
-  else if (arguments.csv)
-    answer.text = estimate_csv_line(estimate_json(file, *report, ""), worker.utc_of(job.input));
-  else
-    answer.text =
-        arguments.json ? estimate_json(file, *report, landmarks_text) : estimate_text(file, *report) + landmarks_text;
-  if ((arguments.plot || !arguments.plot_dir.empty()) && report->picture) {
-    const auto path = plot_path(arguments, file);
-    const auto& estimate = report->look.estimate;
-    auto title = fmt::format("{}: {}", file.filename().string(), estimate.reason);
-    if (estimate.usable)
-      title = fmt::format("{}: T = {:.3f} +- {:.3f}, aerosol depth {:.3f} +- {:.3f}", file.filename().string(),
-                          estimate.turbidity.value, estimate.sigma, report->quality->aod_550,
-                          aerosol_sigmas(estimate, *report->air).aod_550);
-    if (auto written = write_png(path, plot_fit(*report->picture, report->look, title)); !written)
-      answer.error = written.error().message;
+  return report ? answer_of(arguments, scenes, job, *report) : unread(report.error().message);
+}
+
+// One for each picture of the job that is to be answered.
+std::vector<Answer> answers_of(const EstimateArguments& arguments, Worker& worker, const StackJob& job) {
+  const auto& pictures = job.stack.pictures;
+  std::vector<std::filesystem::path> files;
+  for (const auto& picture : pictures) files.push_back(picture.file);
+  const auto whole = pictures.size() > 1
+                         ? worker.of(pictures.front().camera).estimate_from_stack(files, pictures.front().utc)
+                         : std::nullopt;
+  std::vector<Answer> answers;
+  for (std::size_t i = 0; i < job.stack.count; ++i) {
+    const auto& input = pictures[job.stack.first + i];
+    const ImageJob own{input, nullptr, ArchivePlace{job.place.picture + i, job.place.archive}};
+    const bool merged = whole && std::ranges::find(whole->stack, input.file) != whole->stack.end();
+    if (!merged)
+      answers.push_back(answer_of(arguments, worker, nullptr, own));
+    else if (input.file == whole->stack.front())
+      answers.push_back(answer_of(arguments, nullptr, own, *whole));
+    else
+      answers.push_back(
+          {exposure_record(input.file.string(), worker.utc_of(input), whole->stack.front().string(), *own.place), "",
+           std::string(kExposureOfStack)});
   }
-  return answer;
+  return answers;
 }
 
 int exit_code_of(const EstimateTally& tally, std::string_view what) {
@@ -238,28 +292,35 @@ Result<int> estimate_archive(const EstimateArguments& arguments, EstimateInputs&
              part.mended_bytes() > 0 ? fmt::format(", without a torn record of {} bytes", part.mended_bytes()) : "");
   std::size_t number = plan.first + part.done(), useful = 0, unread = 0;
   std::vector<Worker> workers(threads, Worker(inputs.cameras()));
-  Progress progress(name, inputs.count(), std::chrono::seconds(60));
+  Progress progress(name, plan.count - part.done(), std::chrono::seconds(60));
   std::atomic<bool> failed = false;
   Result<> written;
-  run_in_order<ImageJob, Answer>(
+  Elsewhere elsewhere;
+  run_in_order<StackJob, std::vector<Answer>>(
       threads,
-      [&]() -> std::optional<ImageJob> {
-        auto input = failed ? std::nullopt : inputs.next();
-        if (!input) return std::nullopt;
-        return ImageJob{std::move(*input), nullptr, ArchivePlace{++number, plan.archive}};
+      [&]() -> std::optional<StackJob> {
+        auto stack = failed ? std::nullopt : inputs.next_stack();
+        if (!stack) return std::nullopt;
+        StackJob job{std::move(*stack), {number + 1, plan.archive}};
+        number += job.stack.count;
+        return job;
       },
-      [&](std::size_t worker, const ImageJob& job) { return answer_of(arguments, workers[worker], nullptr, job); },
-      [&](const ImageJob&, const Answer& answer) {
-        if (failed) return;
-        written = part.add(answer.text);
-        failed = !written;
-        unread += answer.error.empty() ? 0 : 1;
-        useful += answer.error.empty() && answer.useless.empty() ? 1 : 0;
-        progress.advance("");
+      [&](std::size_t worker, const StackJob& job) { return answers_of(arguments, workers[worker], job); },
+      [&](const StackJob& job, const std::vector<Answer>& answers) {
+        for (std::size_t i = 0; i < answers.size() && !failed; ++i) {
+          const auto& answer = answers[i];
+          written = part.add(answer.text);
+          failed = !written;
+          unread += answer.error.empty() ? 0 : 1;
+          useful += answer.error.empty() && answer.useless.empty() ? 1 : 0;
+          elsewhere.add(job.stack.pictures[job.stack.first + i].file, answer.elsewhere);
+          progress.advance("");
+        }
       });
   progress.clear();
   if (written) written = part.finish();
   if (!written) return fail(written.error());
+  elsewhere.print();
   fmt::print(stderr, "kasumi: {}: done, {} more pictures: {} tell the air, {} could not be read\n", name,
              number - plan.first - part.done(), useful, unread);
   return 0;
@@ -299,13 +360,15 @@ Result<int> estimate_pictures(const EstimateArguments& arguments, const std::opt
   if (arguments.csv) fmt::print("{}", estimate_csv_header());
   std::fflush(stdout);
   Progress progress("estimate", inputs->count());
+  Elsewhere elsewhere;
   run_in_order<ImageJob, Answer>(
       threads, next,
       [&](std::size_t worker, const ImageJob& job) {
         return answer_of(arguments, workers[worker], scenes ? &*scenes : nullptr, job);
       },
-      [&](const ImageJob&, const Answer& answer) {
+      [&](const ImageJob& job, const Answer& answer) {
         progress.clear();
+        elsewhere.add(job.input.file, answer.elsewhere);
         fmt::print("{}", answer.text);
         std::fflush(stdout);
         if (!answer.error.empty()) {
@@ -319,6 +382,7 @@ Result<int> estimate_pictures(const EstimateArguments& arguments, const std::opt
         progress.advance("");
       });
   progress.clear();
+  elsewhere.print();
   return exit_code_of(tally, "picture");
 }
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/utc_text.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
 #include "pipeline/lab/photographs/sky_model_choice.hpp"
 
@@ -61,7 +62,19 @@ std::string sky_text(const SkyPhotographReport& report) {
   return text + "\n";
 }
 
+// "46.940 N, 8.280 E, 460 m"
+std::string place_text(const SkyPhotographReport& report) {
+  const auto& place = *report.taken.place;
+  return fmt::format("{:.3f} {}, {:.3f} {}{}", std::abs(place.latitude_deg), place.latitude_deg < 0.0 ? "S" : "N",
+                     std::abs(place.longitude_deg), place.longitude_deg < 0.0 ? "W" : "E",
+                     place.altitude_m ? fmt::format(", {:.0f} m", *place.altitude_m) : "");
+}
+
 }  // namespace
+
+std::string other_place(const SkyPhotographReport& report) {
+  return fmt::format("its {} says {}, {:.0f} km away", report.taken.by, place_text(report), *report.off_m / 1000.0);
+}
 
 std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
                           const std::string& landmarks) {
@@ -159,6 +172,31 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
     json["tone_exponent"] = rounded(report.tone->exponent, 4);
     json["sigma_tone_exponent"] = rounded(report.tone->sigma, 4);
   }
+  json["taken"] = nullptr;
+  if (const auto& taken = report.taken; !taken.by.empty()) {
+    auto& told = json["taken"] = {{"by", taken.by},
+                                  {"utc", nullptr},
+                                  {"latitude_deg", nullptr},
+                                  {"longitude_deg", nullptr},
+                                  {"altitude_m", nullptr},
+                                  {"time_used", report.utc_by_file},
+                                  {"place_used", report.site_by_file},
+                                  {"off_km", nullptr}};
+    if (taken.utc) told["utc"] = utc_text(*taken.utc);
+    if (taken.place) {
+      told["latitude_deg"] = rounded(taken.place->latitude_deg, 5);
+      told["longitude_deg"] = rounded(taken.place->longitude_deg, 5);
+      if (taken.place->altitude_m) told["altitude_m"] = rounded(*taken.place->altitude_m, 1);
+    }
+    if (report.off_m) told["off_km"] = rounded(*report.off_m / 1000.0, 1);
+  }
+  json["stack"] = nullptr;
+  if (!report.stack.empty()) {
+    auto images = nlohmann::ordered_json::array(), ratios = nlohmann::ordered_json::array();
+    for (const auto& exposure : report.stack) images.push_back(exposure.string());
+    for (const double ratio : report.exposure_ratios) ratios.push_back(rounded(ratio, 3));
+    json["stack"] = {{"images", std::move(images)}, {"exposure_ratios", std::move(ratios)}};
+  }
   if (!landmarks.empty()) json["landmarks"] = nlohmann::ordered_json::parse(landmarks);
   return json.dump() + "\n";
 }
@@ -182,6 +220,9 @@ std::string estimate_text(const std::filesystem::path& image, const SkyPhotograp
     text += fmt::format("  sun              zenith {:.2f} deg, azimuth {:.2f} deg{}\n", to_degrees(zenith_angle(*sun)),
                         to_degrees(azimuth_angle(*sun)), report.sun.told.empty() ? "" : " (" + report.sun.told + ")");
   if (!report.sun.orientation_told.empty()) text += fmt::format("  orientation      {}\n", report.sun.orientation_told);
+  if (report.utc_by_file) text += fmt::format("  time             {}, by {}\n", utc_text(*report.utc), report.taken.by);
+  if (report.site_by_file) text += fmt::format("  place            {}, by {}\n", place_text(report), report.taken.by);
+  if (report.off_m) text += "  place            as given; " + other_place(report) + "\n";
   if (!report.damage.empty())
     text += fmt::format("  damaged          {}; what is left of it was used\n", report.damage);
   if (estimate.usable)

@@ -41,6 +41,7 @@ void read_sun(const EstimateArguments& arguments, SkyPhotographOptions& options,
     if (!options.utc) problems.add("--utc {}: expected a time like 2018-01-29T11:09:20Z", arguments.utc);
   }
   options.sun_from_image = arguments.sun_from_image;
+  options.altitude_given = arguments.altitude_m.has_value();
   if (options.sun && options.utc)
     problems.add("--utc and --sun-zenith-deg: expected only one, both give the sun's position");
   if (!arguments.scans.empty() && !options.sun && !(options.site && options.utc))

@@ -322,21 +322,50 @@ void EstimateInputs::add_to(Fingerprint& fingerprint) const {
 }
 
 void EstimateInputs::keep(std::size_t first, std::size_t count) {
-  std::vector<Entry> kept(std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(first)),
-                          std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(first + count)));
+  const auto from = first - std::min(first, kMostInStack), to = std::min(inputs_.size(), first + count + kMostInStack);
+  std::vector<Entry> kept(std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(from)),
+                          std::make_move_iterator(inputs_.begin() + static_cast<std::ptrdiff_t>(to)));
   inputs_ = std::move(kept);
+  at_ = first - from;
+  end_ = at_ + count;
+}
+
+const SkyInput& EstimateInputs::timed_at(std::size_t entry) {
+  const auto before = timed_.find(entry);
+  return before != timed_.end() ? before->second : timed_.emplace(entry, timed(input_of(inputs_[entry]))).first->second;
+}
+
+bool EstimateInputs::may_follow(std::size_t entry) {
+  const auto &a = timed_at(entry - 1), &b = timed_at(entry);
+  return a.problem.empty() && b.problem.empty() && a.camera == b.camera && a.utc && b.utc && *a.utc <= *b.utc &&
+         *b.utc - *a.utc <= kStackWithin && a.file.parent_path() == b.file.parent_path();
+}
+
+std::optional<SkyStack> EstimateInputs::next_stack() {
+  if (at_ == end_) return std::nullopt;
+  timed_.erase(timed_.begin(), timed_.lower_bound(at_ - std::min(at_, kMostInStack + 1)));
+  std::size_t first = at_, last = at_;
+  while (first > 0 && at_ - first < kMostInStack && may_follow(first)) --first;
+  while (last + 1 < inputs_.size() && last - first < kMostInStack && may_follow(last + 1)) ++last;
+  if (last - first >= kMostInStack) first = last = at_;
+  SkyStack stack;
+  for (std::size_t i = first; i <= last; ++i) stack.pictures.push_back(timed_at(i));
+  stack.first = at_ - first;
+  at_ = std::min(last + 1, end_);
+  stack.count = at_ - first - stack.first;
+  return stack;
 }
 
 // Even steps would meet one hour of the day again and again.
 std::vector<SkyInput> EstimateInputs::sample(std::size_t most) const {
-  std::vector<SkyInput> some;
   std::set<std::size_t> taken;
   const auto count = static_cast<double>(inputs_.size());
   for (std::size_t k = 0; taken.size() < std::min(most, inputs_.size()); ++k) {
     const double share = std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
-    const auto at = std::min(inputs_.size() - 1, static_cast<std::size_t>(share * count));
-    if (taken.insert(at).second) some.push_back(timed(input_of(inputs_[at])));
+    taken.insert(std::min(inputs_.size() - 1, static_cast<std::size_t>(share * count)));
   }
+  std::vector<SkyInput> some;
+  for (const auto at : taken) some.push_back(timed(input_of(inputs_[at])));
   return some;
 }
 

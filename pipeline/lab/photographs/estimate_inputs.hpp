@@ -2,9 +2,11 @@
 // of pictures in the order given.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +25,15 @@ struct SkyInput {
   std::string problem;     // with its line of a list, or its row of a recording; the file is not read then
   std::size_t camera = 0;  // in EstimateInputs::cameras
   std::string label{};     // of a list's line: the kind of air by its writer, a class of its own for `kasumi prove`
+};
+
+// Pictures that may be exposures of one sky: of one folder and camera, each at most kStackWithin after the one before.
+constexpr std::chrono::seconds kStackWithin{5};
+constexpr std::size_t kMostInStack = 9;  // more in a row are a series
+
+struct SkyStack {
+  std::vector<SkyInput> pictures;    // one: it stands by itself
+  std::size_t first = 0, count = 1;  // those of them that are to be answered; the others are another shard's
 };
 
 // One line of a list: a path, or a path, a tab and a UTC time, or these, a tab and a label.
@@ -51,10 +62,13 @@ class EstimateInputs {
   void complete();
   // Adds names and times of the whole list, in order. After complete().
   void add_to(Fingerprint& fingerprint) const;
-  // Leaves out all but so many. After complete(), before any is taken.
+  // Leaves out all but so many. After complete(), before any is taken. Afterwards next_stack() takes them.
   void keep(std::size_t first, std::size_t count);
-  // At most so many, spread over the list and, where its pictures follow each other evenly, over day and year; in
-  // mixed order. After complete().
+  // The next pictures that may be one stack, also with those that were left out: so that a stack is the same whatever
+  // shards it is cut into. Not thread-safe.
+  std::optional<SkyStack> next_stack();
+  // At most so many, spread over the list and, where its pictures follow each other evenly, over day and year; in the
+  // list's order, which archives are read in. After complete().
   std::vector<SkyInput> sample(std::size_t most) const;
   // The first is the command line's; the others are --camera's and recordings'.
   const std::vector<SkyPhotographOptions>& cameras() const { return cameras_; }
@@ -86,11 +100,15 @@ class EstimateInputs {
   Result<> read_cameras(const EstimateArguments& arguments);
   std::optional<SkyInput> take(bool wait);
   SkyInput timed(SkyInput input) const;
+  const SkyInput& timed_at(std::size_t entry);
+  bool may_follow(std::size_t entry);  // the one before as an exposure of one stack
 
   std::vector<Entry> inputs_;
   std::deque<std::unique_ptr<const std::string>> lists_;
   std::size_t at_ = 0;
-  std::deque<SkyInput> ahead_;  // taken from inputs_, not yet by next()
+  std::size_t end_ = 0;                    // of those that are kept
+  std::map<std::size_t, SkyInput> timed_;  // around at_, by entry
+  std::deque<SkyInput> ahead_;             // taken from inputs_, not yet by next()
   std::vector<SkyPhotographOptions> cameras_{SkyPhotographOptions{}};
   CameraPeriods periods_;             // of --camera
   std::size_t first_of_periods_ = 0;  // in cameras_

@@ -5,10 +5,12 @@
 
 #include <fmt/format.h>
 
+#include "base/earth.hpp"
 #include "calib/mask/square_pixels.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
+#include "pipeline/lab/photographs/merged_exposures.hpp"
 
 namespace kasumi {
 
@@ -19,7 +21,17 @@ bool same(const std::optional<ImageCircle>& a, const ImageCircle& b) {
 }
 
 constexpr double kSigmaOfKnownTone = 0.02, kSigmaOfKnownRim = 0.05;
+constexpr double kOtherPlace_m = 25'000.0;         // the sun stands .2 deg elsewhere
 constexpr Radians kWrongSun = from_degrees(15.0);  // seen so far from where it is given: that is not the sky's sun
+
+double distance_m(const Site& site, double latitude_deg, double longitude_deg) {
+  const auto on_sphere = [](double latitude, double longitude) {
+    return direction_from(from_degrees(90.0 - latitude), from_degrees(longitude));
+  };
+  const auto apart =
+      angle_between(on_sphere(site.latitude_deg, site.longitude_deg), on_sphere(latitude_deg, longitude_deg));
+  return kEarthRadius_m * apart.value;
+}
 
 ImageCircle in_own_pixels(ImageCircle circle, double pixel_aspect) {
   circle.centre.x /= pixel_aspect;
@@ -33,8 +45,26 @@ bool asked_the_sky(SkyCondition sky) {
 
 }  // namespace
 
-double SkyPhotographs::altitude_m() const {
-  if (options_.site) return options_.site->altitude_m;
+void SkyPhotographs::place(SkyPhotographReport& report, std::optional<Utc> utc) const {
+  report.utc = utc ? utc : options_.utc;
+  report.site = options_.site;
+  const auto& place = report.taken.place;
+  if (options_.site && place) {
+    const double off_m = distance_m(*options_.site, place->latitude_deg, place->longitude_deg);
+    if (off_m > kOtherPlace_m) report.off_m = off_m;
+  }
+  if (options_.sun) return;
+  report.utc_by_file = !report.utc && report.taken.utc;
+  if (report.utc_by_file) report.utc = report.taken.utc;
+  report.site_by_file = !report.site && place;
+  if (!report.site_by_file) return;
+  const double altitude_m = options_.estimate.sky.altitude_m;
+  report.site = Site{"", place->latitude_deg, place->longitude_deg,
+                     options_.altitude_given ? altitude_m : place->altitude_m.value_or(altitude_m)};
+}
+
+double SkyPhotographs::altitude_m(const SkyPhotographReport& report) const {
+  if (report.site) return report.site->altitude_m;
   // One model alone answers as it always did: for the sea's level.
   return options_.estimate.sky.every_model ? options_.estimate.sky.altitude_m : 0.0;
 }
@@ -58,7 +88,13 @@ Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const Image
   return camera;
 }
 
-SunGiven SkyPhotographs::sun_given(const std::optional<Utc>& utc, const SkyTurn* turn) const {
+EstimateOptions SkyPhotographs::estimate_options(const SkyPhotographReport& report) const {
+  auto options = options_.estimate;
+  if (report.site_by_file) options.sky.altitude_m = report.site->altitude_m;
+  return options;
+}
+
+SunGiven SkyPhotographs::sun_given(const SkyPhotographReport& report, const SkyTurn* turn) const {
   SunGiven given;
   given.from_picture = options_.sun_from_image;
   given.unknown_camera = !options_.calibrated;
@@ -66,8 +102,8 @@ SunGiven SkyPhotographs::sun_given(const std::optional<Utc>& utc, const SkyTurn*
   given.azimuth_up = options_.azimuth_up.value_or(turn ? turn->azimuth_up : Radians{});
   given.direction = options_.sun;
   given.by = "as given";
-  if (!given.direction && utc && options_.site) {
-    given.direction = sun_position(*utc, *options_.site).direction;
+  if (!given.direction && report.utc && report.site) {
+    given.direction = sun_position(*report.utc, *report.site).direction;
     given.by = "by time and place";
   }
   return given;
@@ -129,10 +165,11 @@ void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file
     belief.log_exponent = std::log(*options_.tone_exponent);
     belief.sigma_log_exponent = kSigmaOfKnownTone;
   }
-  belief.sigma_altitude_m = options_.sigma_altitude_m;
+  const bool altitude_by_file = report.site_by_file && report.taken.place->altitude_m;
+  belief.sigma_altitude_m = altitude_by_file ? 0.0 : options_.sigma_altitude_m;
   if (options_.rim_loss) belief.rim_loss = kSigmaOfKnownRim;
   report.look = observer_->observe_by_unknown_camera(picture, report.sun.in_camera, clear_air_of(report.cover), belief,
-                                                     options_.estimate);
+                                                     estimate_options(report));
   if (report.look.tone_exponent > 0.0)
     report.tone = ToneCurve{report.look.tone_exponent, report.look.sigma_tone_exponent, estimate.log_residual,
                             known ? known->tones + (known->told.contains(file) ? 0 : 1) : 1};
@@ -140,16 +177,44 @@ void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file
 
 Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
   SkyPhotographReport report;
-  auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr);
+  auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr, &report.taken);
   if (!photograph) return fail(photograph.error());
+  return estimate_of(file, std::move(*photograph), std::move(report), utc);
+}
+
+std::optional<SkyPhotographReport> SkyPhotographs::estimate_from_stack(const std::vector<std::filesystem::path>& files,
+                                                                       std::optional<Utc> utc) {
+  SkyPhotographReport report;
+  std::vector<Photograph> exposures;
+  for (const auto& file : files) {
+    TakenAt taken;
+    auto photograph = read_photograph(file, nullptr, &taken);  // whole ones alone: there are others
+    if (!photograph) continue;
+    if (report.stack.empty()) report.taken = taken;
+    exposures.push_back(std::move(*photograph));
+    report.stack.push_back(file);
+  }
+  auto response = options_.linear_response ? Response::linear() : Response::srgb();
+  if (options_.calibrated) response = options_.calibrated->response;
+  auto merged = merge_exposures(exposures, response);
+  if (!merged) return std::nullopt;
+  report.exposure_ratios = std::move(merged->ratios);
+  const auto first = report.stack.front();
+  auto answer = estimate_of(first, std::move(merged->picture), std::move(report), utc);
+  return answer ? std::optional(std::move(*answer)) : std::nullopt;
+}
+
+Result<SkyPhotographReport> SkyPhotographs::estimate_of(const std::filesystem::path& file, Photograph photograph,
+                                                        SkyPhotographReport report, std::optional<Utc> utc) {
   report.tone = options_.tone;
+  place(report, utc);
   auto& estimate = report.look.estimate;
   const SkyTurn* turn = nullptr;
 
   if (options_.calibrated) {
     if (!observer_) observer_.emplace(*options_.calibrated);
   } else {
-    const auto circle = placed_circle(file, *photograph, report);
+    const auto circle = placed_circle(file, photograph, report);
     if (!circle) {
       estimate.reason = report.cover.reason = "no image circle is seen: no picture of a fisheye";
       return report;
@@ -163,7 +228,7 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
     }
     if (const auto* known = remembered(report); known && known->turn && !options_.azimuth_up) turn = &*known->turn;
     report.mirrored = turn && turn->mirrored;
-    const auto& picture = photograph->encoded;
+    const auto& picture = photograph.encoded;
     const bool same_camera = observer_ && same(observed_circle_, *circle) &&
                              observer_->camera().width == picture.width() &&
                              observer_->camera().height == picture.height();
@@ -171,10 +236,10 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
     observed_circle_ = circle;
   }
 
-  auto picture = sky_picture(photograph->encoded, photograph->quantum, observer_->camera());
+  auto picture = sky_picture(photograph.encoded, photograph.quantum, observer_->camera());
   if (!picture) return fail(FaultKind::bad_input, "{}: {}", file.string(), picture.error().message);
 
-  report.sun = find_photographed_sun(*picture, observer_->camera(), sun_given(utc ? utc : options_.utc, turn));
+  report.sun = find_photographed_sun(*picture, observer_->camera(), sun_given(report, turn));
   if (turn) {
     report.sun.orientation = Orientation::from_series;
     report.sun.orientation_told =
@@ -190,7 +255,7 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
   if (options_.unknown_camera && !options_.calibrated)
     observe_by_unknown_camera(file, *picture, report);
   else
-    report.look = observer_->observe(*picture, report.sun.in_camera, options_.estimate);
+    report.look = observer_->observe(*picture, report.sun.in_camera, estimate_options(report));
   if (!report.sun.doubt.empty()) {
     if (estimate.usable && report.sun.disagreement > kWrongSun) {
       estimate.usable = false;  // whatever fits a sun that is elsewhere
@@ -202,7 +267,7 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem:
   report.picture = std::move(*picture);
   if (estimate.usable) {
     report.air = found_air(estimate, report.look.sky);
-    report.quality = air_quality(*report.air, altitude_m());
+    report.quality = air_quality(*report.air, altitude_m(report));
   }
   return report;
 }

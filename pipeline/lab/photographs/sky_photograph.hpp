@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "calib/camera.hpp"
 #include "calib/mask/image_circle.hpp"
@@ -32,6 +33,7 @@ struct SkyPhotographOptions {
   // Neither response nor vignetting was measured: both are unknowns beside the air.
   bool unknown_camera = false;
   std::optional<double> tone_exponent;         // of an otherwise unknown camera
+  bool altitude_given = false;                 // else a picture's own place may have one
   double sigma_altitude_m = 0.0;               // of the site\'s, for an unknown camera; 0: it is known
   std::optional<double> rim_loss;              // of light at the circle's edge, 0 .. 1
   std::shared_ptr<const CameraMemory> memory;  // cameras known by other pictures; null: none
@@ -59,6 +61,13 @@ struct SkyPhotographReport {
   PictureCircle camera_circle;                // the same circle, for the memory
   CloudCover cover;                           // given whether or not the air is
   std::optional<ToneCurve> tone;              // that was undone
+  TakenAt taken;                              // what the file says
+  std::optional<Utc> utc;                     // that was used
+  std::optional<Site> site;                   // that was used
+  bool utc_by_file = false, site_by_file = false;  // neither was given
+  std::optional<double> off_m;                     // the file's place from the one given, where that contradicts it
+  std::vector<std::filesystem::path> stack;        // the exposures that this picture was merged of; empty: it is none
+  std::vector<double> exposure_ratios;             // of each to the shortest
 };
 
 // Estimates one picture after the other and keeps what depends only on the camera. Not thread-safe.
@@ -68,12 +77,21 @@ class SkyPhotographs {
   // Errors: bad_input (unreadable or damaged picture, size other than the calibration's). A picture without usable sky
   // is no error: its estimate gives the reason.
   Result<SkyPhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
+  // Of pictures taken within seconds, those that can be read as one picture, under the name of their first; empty: they
+  // are no exposures of one sky (merge_exposures()).
+  std::optional<SkyPhotographReport> estimate_from_stack(const std::vector<std::filesystem::path>& files,
+                                                         std::optional<Utc> utc);
   // The circle that is given or found in a picture alone. Errors: bad_input (unreadable or damaged picture).
   Result<PictureCircle> circle_in(const std::filesystem::path& file) const;
 
  private:
-  double altitude_m() const;
-  SunGiven sun_given(const std::optional<Utc>& utc, const SkyTurn* turn) const;
+  Result<SkyPhotographReport> estimate_of(const std::filesystem::path& file, Photograph photograph,
+                                          SkyPhotographReport report, std::optional<Utc> utc);
+  // Time and place of the call, else the file's, where the sun follows from them.
+  void place(SkyPhotographReport& report, std::optional<Utc> utc) const;
+  double altitude_m(const SkyPhotographReport& report) const;
+  EstimateOptions estimate_options(const SkyPhotographReport& report) const;
+  SunGiven sun_given(const SkyPhotographReport& report, const SkyTurn* turn) const;
   PictureCircle circle_alone(const std::filesystem::path& file, const Photograph& photograph) const;
   // Finds the circle where none is given and makes pixels square; empty: no picture of a fisheye.
   std::optional<ImageCircle> placed_circle(const std::filesystem::path& file, Photograph& photograph,

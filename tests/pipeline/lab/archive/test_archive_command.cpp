@@ -6,8 +6,12 @@
 #include <cstdlib>
 #include <fstream>
 
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
+#include "calib/light/radiometry.hpp"
+#include "pipeline/site/files/photograph_file.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 #include "tests/pipeline/site/files/packed.hpp"
 
@@ -289,6 +293,103 @@ TEST_F(ArchiveCommand, EachTimeHasItsCamera) {
   EXPECT_THAT(ask("--camera ..2026-10-21=/nowhere.toml").err, HasSubstr("--camera /nowhere.toml: "));
   EXPECT_THAT(ask(fmt::format("--camera ..2026-10-21={0} --calibration {0}", old_camera.string())).err,
               HasSubstr("expected neither --calibration"));
+}
+
+// Three exposures of one sky within seconds, of which the short and the long one tell nothing by themselves, and three
+// alike, which are a series: each by itself.
+TEST_F(ArchiveCommand, ExposuresOfOneSkyAreOnePicture) {
+  const auto demo = must(read_photograph(frame(0)));
+  const auto srgb = Response::srgb();
+  std::ofstream list(folder / "list");
+  int second = 0;
+  for (const double exposure : {0.2, 1.0, 4.0}) {
+    auto exposed = *demo;
+    for (auto& value : exposed.encoded.elements())
+      value = glm::vec3(
+          glm::clamp(srgb.to_encoded(exposure * srgb.to_light(glm::dvec3(value))), glm::dvec3(0.0), glm::dvec3(1.0)));
+    must(write_photograph(folder / fmt::format("{}.png", exposure), exposed));
+    list << in(fmt::format("{}.png", exposure)) << fmt::format("\t2026-10-20T06:10:{:02}Z\n", ++second);
+  }
+  for (int i = 0; i < 3; ++i) list << frame(i) << fmt::format("\t2026-10-20T06:20:{:02}Z\n", ++second);
+  list.close();
+  ASSERT_EQ(shard("all.jsonl", "--shard 1/1").code, 0);
+  std::vector<nlohmann::json> records;
+  std::istringstream lines(text("all.jsonl"));
+  for (std::string line; std::getline(lines, line);) records.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(records.size(), 6u);
+  const auto alone = nlohmann::json::parse(estimate(frame(0) + " --utc 2026-10-20T06:10:00Z --json").out);
+  EXPECT_NEAR(records[0]["aod_550"].get<double>(), alone["aod_550"].get<double>(),
+              alone["sigma_aod_550"].get<double>() / 3.0);
+  ASSERT_EQ(records[0]["stack"]["images"].size(), 3u);
+  EXPECT_NEAR(records[0]["stack"]["exposure_ratios"][1].get<double>(), 5.0, 0.3);
+  EXPECT_NEAR(records[0]["stack"]["exposure_ratios"][2].get<double>(), 20.0, 1.5);
+  for (const int i : {1, 2}) {
+    EXPECT_EQ(records[i]["refused"], "exposure of a stack");
+    EXPECT_EQ(records[i]["stack_of"], in("0.2.png"));
+  }
+  for (const int i : {3, 4, 5}) {
+    EXPECT_TRUE(records[i]["refused"].is_null());
+    EXPECT_TRUE(records[i]["stack"].is_null());
+  }
+  for (const char* exposure : {"0.2", "4"}) {
+    const auto answer = estimate(fmt::format("{} --utc 2026-10-20T06:10:00Z --json", in(exposure) + ".png"));
+    EXPECT_FALSE(nlohmann::json::parse(answer.out)["usable"]) << exposure;
+  }
+  // Shards that cut the stack.
+  std::string parts;
+  for (int i = 1; i <= 6; ++i) {
+    ASSERT_EQ(shard(fmt::format("{}.jsonl", i), fmt::format("--shard {}/6", i)).code, 0);
+    parts += text(fmt::format("{}.jsonl", i));
+  }
+  EXPECT_EQ(parts, text("all.jsonl"));
+  const auto merged = run_kasumi(fmt::format("estimate --merge {} --out {}", in("all.jsonl"), in("all.csv")));
+  ASSERT_EQ(merged.code, 0) << merged.err;
+  EXPECT_THAT(text("summary.html"), HasSubstr("2 are exposures of stacks"));
+}
+
+// A folder of FITS files as INDI writes them: time and place are theirs, and another place than the one given is told.
+TEST_F(ArchiveCommand, TimeAndPlaceMayBeTheFiles) {
+  const auto demo = must(read_photograph(frame(0)));
+  const auto& picture = demo->encoded;
+  const auto card = [](const std::string& text) { return text + std::string(80 - text.size(), ' '); };
+  const auto in_blocks = [](std::string text, char with) {
+    text.resize((text.size() + 2879) / 2880 * 2880, with);
+    return text;
+  };
+  std::string header;
+  for (const auto& line :
+       {std::string("SIMPLE  =                    T"), std::string("BITPIX  =                    8"),
+        std::string("NAXIS   =                    3"), fmt::format("NAXIS1  = {:>20}", picture.width()),
+        fmt::format("NAXIS2  = {:>20}", picture.height()), std::string("NAXIS3  =                    3"),
+        std::string("ROWORDER= 'TOP-DOWN'"), std::string("SITELAT =            34.210000 / Latitude in degrees"),
+        std::string("SITELONG=           135.590000 / Longitude in degrees"),
+        std::string("SITEELEV=                  980"),
+        std::string("DATE-OBS= '2026-10-20T06:10:00.000' / UTC start date of observation"), std::string("END")})
+    header += card(line);
+  std::string samples;
+  for (const int colour : {0, 1, 2})
+    for (const auto& value : picture.elements())
+      samples += static_cast<char>(std::lround(255.0 * Response::srgb().to_light(glm::dvec3(value))[colour]));
+  std::ofstream(folder / "sky.fits", std::ios::binary) << in_blocks(header, ' ') + in_blocks(samples, '\0');
+  const std::string options = " --json --circle 241.42,238.06,237 --fov-deg 184 --azimuth-up-deg 18";
+  const auto by_file = run_kasumi("estimate " + in("sky.fits") + options);
+  ASSERT_EQ(by_file.code, 0) << by_file.err;
+  const auto given = run_kasumi("estimate " + in("sky.fits") + options +
+                                " --lat 34.21 --lon 135.59 --altitude-m 980 --utc 2026-10-20T06:10:00Z");
+  auto one = nlohmann::json::parse(by_file.out), other = nlohmann::json::parse(given.out);
+  EXPECT_EQ(one["taken"]["by"], "FITS header");
+  EXPECT_EQ(one["taken"]["utc"], "2026-10-20T06:10:00Z");
+  EXPECT_EQ(one["taken"]["altitude_m"], 980.0);
+  EXPECT_TRUE(one["taken"]["time_used"].get<bool>() && one["taken"]["place_used"].get<bool>());
+  EXPECT_FALSE(other["taken"]["time_used"].get<bool>() || other["taken"]["place_used"].get<bool>());
+  EXPECT_TRUE(other["taken"]["off_km"].is_null());
+  for (auto* answer : {&one, &other}) answer->erase("taken");
+  EXPECT_EQ(one, other);
+  const auto elsewhere = run_kasumi("estimate " + in("sky.fits") + options + " --lat 36.21 --lon 135.59");
+  EXPECT_THAT(elsewhere.err, HasSubstr("of another place than the one given, which is followed: "));
+  EXPECT_NEAR(nlohmann::json::parse(elsewhere.out)["taken"]["off_km"].get<double>(), 222.4, 0.5);
+  ASSERT_EQ(run_kasumi("estimate " + in("sky.fits") + " --shard 1/1 --out " + in("part.jsonl")).code, 0);
+  EXPECT_EQ(nlohmann::json::parse(text("part.jsonl"))["utc"], "2026-10-20T06:10:00Z");
 }
 
 }  // namespace
