@@ -2,9 +2,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 
+#include "base/utc_text.hpp"
+#include "capture/codec/encode.hpp"
+#include "tests/figures.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -40,12 +46,38 @@ class Engine : public testing::Test {
   static std::string calibrated() {
     return fmt::format("--calibration {}/fixtures/demo/fixture.toml", source_folder().string());
   }
+  // Small skies of a fisheye, each another, a picture each ten minutes: nights, clear days and clouds. Their list.
+  void make_skies(int count) const {
+    constexpr int kSide = 96;
+    constexpr double kMiddle = 47.5, kRadius = 46.0;
+    std::filesystem::create_directories(folder / "sky");
+    std::ofstream list(folder / "list");
+    for (int i = 0; i < count; ++i) {
+      Image<Rgb8> sky(kSide, kSide);
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          const double off = std::hypot(x - kMiddle, y - kMiddle) / kRadius;
+          if (off >= 1.0) continue;
+          const double light = 60.0 + 60.0 * off * off + i % 7, wave = std::sin(0.17 * x + i) * std::sin(0.13 * y - i);
+          const double cloud = i % 3 == 0 ? std::clamp(2.0 * wave, 0.0, 1.0) : 0.0;
+          const auto mixed = [&](double clear) {
+            return static_cast<std::uint8_t>(std::lround((1.0 - cloud) * clear + cloud * 220.0));
+          };
+          sky.at(x, y) = {mixed(light), mixed(1.3 * light), mixed(1.7 * light)};
+        }
+      const auto file = fmt::format("sky/{:05}.jpg", i);
+      const auto bytes = *must(encode_jpeg(sky, 90, ChromaSubsampling::s420));
+      std::ofstream(folder / file, std::ios::binary)
+          .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+      list << file << "\t" << utc_text(*parse_utc("2026-01-01T00:00:00Z") + std::chrono::minutes(10 * i)) << "\n";
+    }
+  }
   static std::string example(const char* name) { return (source_folder() / "examples/archive" / name).string(); }
   std::string text(const std::string& name) const {
     return read_text_file(folder / name).value_or("unreadable " + name);
   }
-  void expect_whole() const {
-    ASSERT_EQ(run("kasumi estimate @list --shard 1/1 --out single.jsonl " + calibrated()), 0) << text("out");
+  void expect_whole(const std::string& options = calibrated()) const {
+    ASSERT_EQ(run("kasumi estimate @list --shard 1/1 --out single.jsonl " + options), 0) << text("out");
     ASSERT_EQ(run("kasumi estimate --merge parts/*.jsonl --out all.jsonl"), 0) << text("out");
     EXPECT_EQ(text("all.jsonl"), text("single.jsonl"));
   }
@@ -85,17 +117,29 @@ TEST_F(Engine, DaskGoesOnAfterAWorkersDeath) {
   expect_whole();
 }
 
-// munged, slurmctld and slurmd of this machine alone, over loopback.
+// munged, slurmctld and slurmd of this machine alone, over loopback. Whole: 40 shards of 20,000 pictures.
 TEST_F(Engine, SlurmsArraySurvivesRequeueAndKill) {
   for (const char* program : {"munged", "slurmctld", "slurmd", "sbatch"})
     if (!is_installed(program))
       GTEST_SKIP() << program << " is not installed: apt install slurmctld slurmd slurm-client munge";
   if (::geteuid() != 0) GTEST_SKIP() << "slurmd runs tasks as root only";
-  ASSERT_EQ(
-      run(source_folder().string() + "/tests/slurm-on-loopback " + example("slurm.sbatch") + " 6 list " + calibrated()),
-      0)
+  constexpr int kPictures = 20000;
+  const int shards = whole_figures() ? 40 : 6;
+  std::string options = calibrated();
+  if (whole_figures()) {
+    make_skies(kPictures);
+    options = "--circle 47.5,47.5,46 --azimuth-up-deg 0 --lat 34.21 --lon 135.59 --altitude-m 980 --sky-model preetham";
+  }
+  const auto started = std::chrono::steady_clock::now();
+  ASSERT_EQ(run(fmt::format("{}/tests/slurm-on-loopback {} {} list {}", source_folder().string(),
+                            example("slurm.sbatch"), shards, options)),
+            0)
       << text("out");
-  expect_whole();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - started;
+  expect_whole(options);
+  EXPECT_THAT(text("out"), testing::HasSubstr("slurm/1.log")) << "went on behind what was there";
+  EXPECT_THAT(text("out"), testing::HasSubstr("slurm/2.log"));
+  if (whole_figures()) std::printf("%d pictures in %d shards in %.0f s\n", kPictures, shards, took.count());
 }
 
 }  // namespace
