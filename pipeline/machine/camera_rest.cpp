@@ -44,6 +44,7 @@ class RestingDevices final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
     return devices_.open_input(device);
   }
+  void serve(std::shared_ptr<InputLink> link) override { devices_.serve(std::move(link)); }
 
  private:
   Devices& devices_;

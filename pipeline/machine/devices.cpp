@@ -68,6 +68,7 @@ class MachineDevices final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
     return open_input_device(device);
   }
+  void serve(std::shared_ptr<InputLink> link) override { serve_input(std::move(link), open_input_device); }
 
  private:
   CameraOpening opening(const std::string& name, CameraRole role, const ReplayCamera& replay) {

@@ -5,7 +5,7 @@
 
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
-#include "pipeline/machine/input/input_device.hpp"
+#include "pipeline/machine/input/input_link.hpp"
 #include "pipeline/machine/television.hpp"
 #include "pipeline/site/config/run_config.hpp"
 
@@ -35,6 +35,8 @@ class Devices {
   virtual Result<std::unique_ptr<CecDevice>> open_television(const std::filesystem::path& adapter) = 0;
   // Errors: those of open_input_device().
   virtual Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) = 0;
+  // Turns it in a thread of its own until it ends.
+  virtual void serve(std::shared_ptr<InputLink> link) = 0;
 };
 
 // The devices of this machine. Thread-safe; `clock` must outlive it.

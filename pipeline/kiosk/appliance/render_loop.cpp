@@ -73,7 +73,7 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       screen_(content_, devices, clock, watchdog_, status_.display),
       started_(clock.now()),
       snapshots_(mailboxes.snapshot),
-      visitor_(devices, clock),
+      visitor_(devices, clock, [&mailboxes] { mailboxes.render.bell.ring(); }),
       shown_at_(clock.now()),
       minute_began_(clock.now()),
       hangs_({&mailboxes.scene.pulse, &mailboxes.sky.pulse, &mailboxes.check.pulse, &mailboxes.visibility.pulse,
@@ -120,7 +120,7 @@ Instant RenderLoop::take_step() {
   if (next_.is_unfinished()) return now;
   if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
   if (screen_.is_off()) return now + kPollInterval;
-  if (visitor_.is_there()) return now + kVisitorStep;
+  if (visitor_.is_moving()) return now + kVisitorStep;
   return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
 }
 

@@ -44,21 +44,34 @@ void VisitorDesk::use(const Content& content) {
   options_ = config.visitor;
   eras_ = std::move(eras);
   languages_ = std::move(languages);
-  if (!same_devices) reader_.reset();  // before they are opened again
+  if (!same_devices) end_links();  // before they are opened again
   hand_.reset();
   if (!options_) return;
-  if (!reader_)
-    reader_.emplace(
-        *options_, [this](const std::filesystem::path& path) { return devices_.open_input(path); }, clock_);
+  if (links_.empty()) begin_links();
   hand_.emplace(
       VisitorHand::Limits{std::max<std::size_t>(eras_.size(), 1), languages_.size(), options_->notch, options_->idle});
   hand_->offer_stories(stories().size());
 }
 
+void VisitorDesk::begin_links() {
+  for (const auto& device : options_->devices) {
+    auto one = *options_;
+    one.devices = {device};
+    links_.push_back(std::make_shared<InputLink>(std::move(one), clock_.now(), news_));
+    devices_.serve(links_.back());
+  }
+}
+
+void VisitorDesk::end_links() {
+  for (const auto& link : links_) link->end();
+  links_.clear();
+}
+
 void VisitorDesk::step() {
-  if (!reader_) return;
+  if (!hand_) return;
   const auto now = clock_.now();
-  for (const auto& event : reader_->read()) hand_->take(event, now);
+  for (const auto& link : links_)
+    for (const auto& event : link->take(now)) hand_->take(event, now);
   hand_->step(now);
 }
 
@@ -114,8 +127,10 @@ std::string VisitorDesk::note() const {
 }
 
 std::optional<VisitorStatus> VisitorDesk::status() const {
-  if (!reader_) return std::nullopt;
-  return VisitorStatus{reader_->devices(), hand_->presses(), hand_->is_idle()};
+  if (!hand_) return std::nullopt;
+  VisitorStatus status{{}, hand_->presses(), hand_->is_idle()};
+  for (const auto& link : links_) status.devices.push_back(link->state());
+  return status;
 }
 
 }  // namespace kasumi

@@ -3,13 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/machine/devices.hpp"
-#include "pipeline/machine/input/input_reader.hpp"
+#include "pipeline/machine/input/input_link.hpp"
 #include "pipeline/show/stage/stage.hpp"
 #include "pipeline/show/stage/visitor_hand.hpp"
 
@@ -25,14 +26,18 @@ struct VisitorStatus {
 // Belongs to the main thread. Without [visitor] it opens nothing and changes nothing.
 class VisitorDesk {
  public:
-  // `devices` and `clock` must outlive it.
-  VisitorDesk(Devices& devices, Clock& clock) : devices_(devices), clock_(clock) {}
+  // `devices` and `clock` must outlive it. `news` is called from any thread when step() has something to read.
+  VisitorDesk(Devices& devices, Clock& clock, std::function<void()> news)
+      : devices_(devices), clock_(clock), news_(std::move(news)) {}
+  ~VisitorDesk() { end_links(); }
+  VisitorDesk(const VisitorDesk&) = delete;
+  VisitorDesk& operator=(const VisitorDesk&) = delete;
   // Other options, or other eras, begin anew; else what was chosen stays, but for a story of another era.
   void use(const Content& content);
   // Reads what has happened since. Never waits.
   void step();
 
-  bool is_there() const { return reader_.has_value(); }
+  bool is_there() const { return options_.has_value(); }
   bool is_moving() const { return hand_ && hand_->is_moving(); }
   double bare() const { return hand_ ? hand_->choice().bare : 0.0; }
   std::size_t era() const { return hand_ ? hand_->choice().era : 0; }  // so many after the one of the day
@@ -46,14 +51,18 @@ class VisitorDesk {
   std::vector<const Story*> stories() const;  // to be read now
   std::string era_title() const;              // in the visitor's language, else in the content's usual one
 
+  void begin_links();
+  void end_links();
+
   Devices& devices_;
   Clock& clock_;
+  std::function<void()> news_;
   std::optional<VisitorOptions> options_;
   std::vector<std::string> eras_;
   std::string shown_era_;
   std::shared_ptr<const VisitorContent> content_;       // null: there is none
   std::vector<Language> languages_{Language::english};  // the configured one first
-  std::optional<InputReader> reader_;
+  std::vector<std::shared_ptr<InputLink>> links_;       // one for each device
   std::optional<VisitorHand> hand_;
 };
 

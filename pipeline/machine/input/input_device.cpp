@@ -1,6 +1,7 @@
 #include "pipeline/machine/input/input_device.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -22,6 +23,10 @@ class SystemInputDevice final : public InputDevice {
   int read(std::span<input_event> events) override {
     const auto got = ::read(fd_.value(), events.data(), events.size_bytes());
     return got < 0 ? -errno : static_cast<int>(static_cast<std::size_t>(got) / sizeof(input_event));
+  }
+  void wait(Duration longest) override {
+    pollfd readable{fd_.value(), POLLIN, 0};
+    ::poll(&readable, 1, static_cast<int>(std::chrono::ceil<std::chrono::milliseconds>(longest).count()));
   }
   int control(unsigned long request, void* argument) override {
     const int done = ::ioctl(fd_.value(), request, argument);
@@ -59,6 +64,15 @@ std::string name_of(InputDevice& device) {
   std::ranges::replace_if(
       text, [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;
+}
+
+std::vector<int> keys_down(InputDevice& device) {
+  std::array<std::uint8_t, KEY_MAX / 8 + 1> bits{};
+  std::vector<int> codes;
+  if (device.control(EVIOCGKEY(bits.size()), bits.data()) < 0) return codes;
+  for (int code = 0; code <= KEY_MAX; ++code)
+    if ((bits[static_cast<std::size_t>(code) / 8] >> (code % 8)) & 1) codes.push_back(code);
+  return codes;
 }
 
 }  // namespace kasumi

@@ -18,11 +18,6 @@ constexpr Duration kBounce = 25ms;      // contacts close and open again for so 
 constexpr Duration kOpenInterval = 1s;  // of a device that is missing
 constexpr int kMostNotchesAtOnce = 100;
 
-bool bit_of(std::span<const std::uint8_t> bits, int number) {
-  const auto byte = static_cast<std::size_t>(number) / 8;
-  return byte < bits.size() && ((bits[byte] >> (number % 8)) & 1) != 0;
-}
-
 }  // namespace
 
 struct InputReader::Device {
@@ -120,10 +115,10 @@ void InputReader::settle(Device& device, std::vector<HandEvent>& events) {
 
 // What was lost is asked for.
 void InputReader::resynchronize(Device& device, std::vector<HandEvent>& events) {
-  std::array<std::uint8_t, KEY_MAX / 8 + 1> keys{};
-  if (device.device->control(EVIOCGKEY(keys.size()), keys.data()) < 0) keys.fill(0);
-  for (auto& contact : device.contacts) contact.closed = bit_of(keys, contact.code);
-  device.touching = device.single && bit_of(keys, BTN_TOUCH);
+  const auto keys = keys_down(*device.device);
+  const auto is_down = [&](int code) { return std::ranges::binary_search(keys, code); };
+  for (auto& contact : device.contacts) contact.closed = is_down(contact.code);
+  device.touching = device.single && is_down(BTN_TOUCH);
   device.finger_slot = -1;
   settle(device, events);
 }
@@ -186,6 +181,12 @@ std::vector<HandEvent> InputReader::read() {
     if (device->device) read(*device, events);
   }
   return events;
+}
+
+void InputReader::wait(Duration longest) {
+  for (auto& device : devices_)
+    if (device->device) return device->device->wait(longest);
+  clock_.sleep_until(clock_.now() + longest);
 }
 
 std::vector<InputDeviceState> InputReader::devices() const {

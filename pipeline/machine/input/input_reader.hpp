@@ -35,6 +35,8 @@ class InputReader {
   // What has happened since the last call. Opens what is missing, once a second, and takes it for itself, so that its
   // keys reach no other program.
   std::vector<HandEvent> read();
+  // BLOCKS until the first device that is open has events, for at most `longest`.
+  void wait(Duration longest);
   std::vector<InputDeviceState> devices() const;
 
  private:

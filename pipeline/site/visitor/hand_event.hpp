@@ -1,7 +1,9 @@
 // What a visitor does with buttons, knobs and touch screens, whatever the devices are.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <string_view>
 
 namespace kasumi {
 
@@ -12,7 +14,8 @@ enum class HandKey {
   large_print,   // on, or off again
   story,         // the next one; after the last none
 };
-constexpr std::size_t kHandKeys = 5;
+constexpr std::array<std::string_view, 5> kHandKeyNames{"then_and_now", "era", "language", "large_print", "story"};
+constexpr std::size_t kHandKeys = kHandKeyNames.size();
 
 struct HandEvent {
   enum class Kind {

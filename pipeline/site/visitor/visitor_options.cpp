@@ -109,14 +109,18 @@ std::optional<int> input_key(std::string_view name) {
   return whole && code >= 1 && code <= KEY_MAX ? std::optional(code) : std::nullopt;
 }
 
+std::string input_key_name(int code) {
+  const auto* key = std::ranges::find(kInputKeys, code, &NamedInputKey::code);
+  return key != std::end(kInputKeys) ? std::string(key->name) : fmt::format("{}", code);
+}
+
 std::optional<VisitorOptions> read_visitor(const ConfigTable& root) {
   const auto table = root.optional_table("visitor");
   if (!table) return std::nullopt;
   VisitorOptions options;
   options.devices = read_devices(*table);
-  constexpr std::array<std::string_view, kHandKeys> kNames{"then_and_now", "era", "language", "large_print", "story"};
   std::vector<int> taken;
-  for (std::size_t i = 0; i < kHandKeys; ++i) options.keys[i] = read_keys(*table, kNames[i], taken);
+  for (std::size_t i = 0; i < kHandKeys; ++i) options.keys[i] = read_keys(*table, kHandKeyNames[i], taken);
   options.notch = table->number("notch", {0.005, 0.5}, options.notch);
   options.languages = read_languages(*table);
   options.idle = from_seconds(table->number("idle_s", {5.0, 600.0}, to_seconds(options.idle)));

@@ -26,6 +26,7 @@ struct VisitorOptions {
 
 // The kernel's code of a key: "KEY_SPACE", "BTN_TRIGGER", or the number that evtest shows. Empty: none.
 std::optional<int> input_key(std::string_view name);
+std::string input_key_name(int code);  // the reverse
 
 // Problems are collected in the root's file. Empty: there is no such table.
 std::optional<VisitorOptions> read_visitor(const ConfigTable& root);

@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -25,6 +26,9 @@ struct FakeInputDevice {
   std::set<int> down{};           // keys
   std::size_t keeps = 1U << 20U;  // events that the driver's buffer holds
   int opened = 0, grabbed = 0;
+  // Called before each: a driver that hangs does not return from one.
+  std::function<void()> on_open{}, on_grab{}, on_read{};
+  bool may_hang() const { return on_open || on_grab || on_read; }
   std::size_t read = 0;  // events
 
   void send(int type, int code, int value) {
@@ -59,6 +63,7 @@ class FakeOpenInput final : public InputDevice {
  public:
   explicit FakeOpenInput(FakeInputDevice& device) : device_(device) { ++device_.opened; }
   int read(std::span<input_event> events) override {
+    if (device_.on_read) device_.on_read();
     if (!device_.plugged) return -ENODEV;
     if (device_.queue.empty()) return -EAGAIN;
     const auto count = std::min(events.size(), device_.queue.size());
@@ -67,10 +72,12 @@ class FakeOpenInput final : public InputDevice {
     device_.read += count;
     return static_cast<int>(count);
   }
+  void wait(Duration) override {}
   int control(unsigned long request, void* argument) override {
     const auto number = _IOC_NR(request);
     if (!device_.plugged) return -ENODEV;
     if (request == EVIOCGRAB) {
+      if (device_.on_grab) device_.on_grab();
       if (device_.taken) return -EBUSY;
       ++device_.grabbed;
       return 0;
@@ -100,6 +107,7 @@ class FakeOpenInput final : public InputDevice {
 
 inline Result<std::unique_ptr<InputDevice>> open_fake_input(FakeInput& input, const std::filesystem::path& path) {
   const auto device = input.devices.find(path);
+  if (device != input.devices.end() && device->second.on_open) device->second.on_open();
   if (device == input.devices.end() || !device->second.plugged)
     return fail(FaultKind::disconnected, "{}: no such device now", path.string());
   return std::make_unique<FakeOpenInput>(device->second);

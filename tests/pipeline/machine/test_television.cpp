@@ -27,6 +27,7 @@ class OnlyATelevision final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path&) override {
     return fail(FaultKind::disconnected, "no input device");
   }
+  void serve(std::shared_ptr<InputLink>) override {}
   FakeTelevision television;
   std::string asked_for;
 };

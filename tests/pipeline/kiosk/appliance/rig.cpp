@@ -199,8 +199,38 @@ void Rig::turn(CameraFaults& camera, std::thread& stuck, const std::function<voi
   if (*ended) stuck.join();
 }
 
+void BenchDevices::serve(std::shared_ptr<InputLink> link) {
+  const auto open = [this](const std::filesystem::path& path) { return open_fake_input(input, path); };
+  inputs_.push_back(std::make_unique<Served>(std::move(link), open, clock_));
+}
+
+void BenchDevices::turn_inputs() {
+  std::erase_if(inputs_, [](const auto& served) { return served->link->ended() && !served->in_turn; });
+  for (auto& served : inputs_) {
+    if (served->in_turn) continue;
+    if (served->stuck.joinable()) served->stuck.join();
+    const auto now = clock_.now();
+    if (!input.devices[served->link->state().path].may_hang()) {
+      served->link->turn(served->reader, now);
+      continue;
+    }
+    served->in_turn = true;
+    served->stuck = std::thread([&of = *served, now] {
+      of.link->turn(of.reader, now);
+      of.in_turn = false;
+    });
+    for (int i = 0; i < 20 && served->in_turn; ++i) std::this_thread::sleep_for(1ms);
+  }
+}
+
+BenchDevices::~BenchDevices() {
+  for (auto& served : inputs_)
+    if (served->stuck.joinable()) served->stuck.join();
+}
+
 void Rig::tick(Duration by) {
   clock.advance(by);
+  devices.turn_inputs();
   const auto deadline = clock.now();
   turn(devices.scene, stuck_scene_, [this, deadline] { appliance->scene().step(deadline); });
   turn(devices.sky, stuck_sky_, [this, deadline] { appliance->sky().step(deadline); });

@@ -2,6 +2,7 @@
 // thread does everything, so that tests are deterministic; only a loop whose camera hangs has one of its own.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -60,6 +61,10 @@ class BenchDevices final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
     return open_fake_input(input, device);
   }
+  // Its turn comes with each tick of the rig; a driver that may hang has a thread of its own.
+  void serve(std::shared_ptr<InputLink> link) override;
+  void turn_inputs();
+  ~BenchDevices() override;
   CameraFaults sky, scene;
   FakeTelevision television;
   FakeInput input;
@@ -68,6 +73,15 @@ class BenchDevices final : public Devices {
  private:
   Clock& clock_;
   std::unique_ptr<Devices> machine_;
+  struct Served {
+    Served(std::shared_ptr<InputLink> of, InputReader::Opener open, Clock& clock)
+        : link(std::move(of)), reader(link->options(), std::move(open), clock) {}
+    std::shared_ptr<InputLink> link;
+    InputReader reader;
+    std::atomic<bool> in_turn = false;
+    std::thread stuck{};
+  };
+  std::vector<std::unique_ptr<Served>> inputs_;
 };
 
 struct RigOptions {

@@ -103,6 +103,7 @@ class TimedDevices final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path&) override {
     return fail(FaultKind::disconnected, "no input device");
   }
+  void serve(std::shared_ptr<InputLink>) override {}
 
   std::vector<Instant> shown;
 

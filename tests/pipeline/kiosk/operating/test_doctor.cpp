@@ -217,6 +217,7 @@ class Untouchable final : public Devices {
   Result<std::unique_ptr<InputDevice>> open_input(const std::filesystem::path& device) override {
     return open_fake_input(input, device);
   }
+  void serve(std::shared_ptr<InputLink>) override { ADD_FAILURE() << "the appliance has the input devices"; }
   FakeInput input;
 };
 

@@ -224,6 +224,39 @@ TEST(Visitor, Row48ADeviceThatIsUnpluggedLetsGoAndComesBack) {
   EXPECT_LT(difference(kiosk.rig->picture(), bare, 60, 260), 0.02);
 }
 
+// Its driver answers neither to opening, nor to taking it, nor to reading.
+TEST(Visitor, Row50ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
+  for (const auto where : {&FakeInputDevice::on_open, &FakeInputDevice::on_grab, &FakeInputDevice::on_read}) {
+    const std::filesystem::path hangs = "/dev/input/by-id/usb-Dead-event-kbd";
+    auto config = std::string(kHand);
+    config.insert(config.find("\"/dev"), fmt::format("\"{}\", ", hangs.string()));
+    Trap trap;
+    trap.set();
+    Rig rig({.name = "hung-input", .more_config = config});
+    rig.devices.input.devices[kPanel].axes[ABS_X].maximum = 1000;
+    rig.devices.input.devices[hangs].*where = [&] { trap.enter(); };
+    rig.advance(12s);
+    ASSERT_TRUE(trap.caught());
+    EXPECT_EQ(rig.shown(), Shown::live);
+    const auto pictures = rig.status().render.scene_frames;
+    const auto plain = rig.picture();
+    rig.devices.input.devices[kPanel].key(KEY_SPACE, true);
+    rig.advance(2s);
+    EXPECT_GE(rig.status().render.scene_frames, pictures + 9U) << "of 10 in two seconds";
+    EXPECT_GT(difference(rig.picture(), plain, 60, 260), 0.05) << "the other device works";
+    const auto visitor = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["visitor"];
+    EXPECT_EQ(visitor["devices"][0]["up"], false);
+    EXPECT_THAT(visitor["devices"][0]["problem"].get<std::string>(), HasSubstr("hung: its driver has not answered"));
+    EXPECT_EQ(visitor["devices"][1]["up"], true);
+    trap.let_go();
+    rig.devices.input.devices[hangs].*where = [] {};
+    rig.advance(2s);
+    rig.status();
+    const auto after = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["visitor"];
+    EXPECT_EQ(after["devices"][0]["up"], true) << after["devices"][0]["problem"];
+  }
+}
+
 // 10^5 events a second of all kinds.
 TEST(Visitor, Row49AHostileDeviceStopsNoPicture) {
   Kiosk kiosk("hostile");

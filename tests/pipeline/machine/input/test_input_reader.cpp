@@ -8,13 +8,18 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <random>
 #include <thread>
 
 #include <linux/uinput.h>
 
+#include "base/outside/abandonable.hpp"
 #include "base/unique_fd.hpp"
+#include "pipeline/machine/input/input_link.hpp"
 #include "tests/pipeline/machine/fake_input.hpp"
 
 namespace kasumi {
@@ -188,6 +193,70 @@ TEST(InputReader, AHostileDeviceCostsABoundedTime) {
   desk.after(100ms);
   desk.buttons.key(KEY_E, true);
   EXPECT_THAT(desk.after(100ms), testing::Contains(HandEvent{Kind::down, HandKey::era})) << "it is used again";
+}
+
+// A thread of its own, by the machine's clock.
+TEST(InputLink, AnOpeningThatHangsKeepsNobodyWaiting) {
+  struct Hanging {
+    std::mutex mutex;
+    std::condition_variable released;
+    bool let_go = false, entered = false;
+  };
+  const auto hanging = std::make_shared<Hanging>();
+  SystemClock clock;
+  std::atomic<int> news = 0;
+  const auto good_fakes = std::make_shared<FakeInput>(), bad_fakes = std::make_shared<FakeInput>();
+  good_fakes->devices[kButtons].key(KEY_SPACE, true);
+  const auto good = std::make_shared<InputLink>(two_keys(), clock.now(), [&] { ++news; });
+  const auto bad = std::make_shared<InputLink>(two_keys(), clock.now());
+  serve_input(bad, [=](const auto& path) {
+    std::unique_lock lock(hanging->mutex);
+    hanging->entered = true;
+    hanging->released.wait(lock, [&] { return hanging->let_go; });
+    return open_fake_input(*bad_fakes, path);
+  });
+  serve_input(good, [=](const auto& path) { return open_fake_input(*good_fakes, path); });
+  std::vector<HandEvent> events;
+  for (int i = 0; i < 500 && events.empty(); ++i) {
+    std::this_thread::sleep_for(10ms);
+    events = good->take(clock.now());
+  }
+  EXPECT_EQ(events, (std::vector<HandEvent>{{Kind::down, HandKey::then_and_now}}));
+  EXPECT_GE(news, 1);
+  const auto asked = std::chrono::steady_clock::now();
+  EXPECT_EQ(bad->take(clock.now() + 10s), (std::vector<HandEvent>{{Kind::all_up}})) << "held by it is nothing";
+  EXPECT_LT(std::chrono::steady_clock::now() - asked, 1s);
+  EXPECT_FALSE(bad->state().up);
+  EXPECT_THAT(bad->state().problem, testing::HasSubstr("hung: its driver has not answered for 1"));
+  EXPECT_TRUE(bad->take(clock.now() + 10s).empty()) << "once";
+  good->end();
+  bad->end();
+  for (int i = 0; i < 500 && abandoned_threads > 1; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(abandoned_threads, 1) << "the good one's thread has ended, the other is left behind";
+  {
+    const std::lock_guard lock(hanging->mutex);
+    hanging->let_go = true;
+    hanging->released.notify_all();
+  }
+  for (int i = 0; i < 500 && abandoned_threads > 0; ++i) std::this_thread::sleep_for(10ms);
+  EXPECT_EQ(abandoned_threads, 0);
+}
+
+TEST(InputLink, EventsThatNobodyTakesAreBounded) {
+  ManualClock clock{Utc{}};
+  FakeInput input;
+  InputReader reader(
+      two_keys(), [&](const auto& path) { return open_fake_input(input, path); }, clock);
+  InputLink link(two_keys(), clock.now());
+  auto& buttons = input.devices[kButtons];
+  for (int i = 0; i < 5000; ++i) {
+    buttons.key(KEY_E, i % 2 == 0);
+    clock.advance(30ms);
+    link.turn(reader, clock.now());
+  }
+  const auto events = link.take(clock.now());
+  EXPECT_LE(events.size(), kMostInputWaiting);
+  EXPECT_EQ(events.front(), HandEvent{Kind::all_up}) << "what was lost may have let something go";
 }
 
 TEST(InputDevice, OtherFilesAreNone) {
