@@ -97,7 +97,8 @@ class Year {
   Together on(std::chrono::sys_days day) const {
     Together found;
     for (std::size_t era = 0; era < eras_.size(); ++era)
-      found[era] = !eras_[era].otherwise && eras_[era].includes(std::chrono::year_month_day(day));
+      found[era] =
+          !eras_[era].otherwise && !eras_[era].visitors_only && eras_[era].includes(std::chrono::year_month_day(day));
     return found;
   }
 
@@ -169,7 +170,11 @@ Era read_era(const ConfigTable& table) {
   Era era;
   era.name = table.text("name");
   if (table.has("name") && era.name.empty()) table.problem("name", "a name");
-  era.otherwise = !table.has("dates") && !table.has("hours");
+  era.visitors_only = table.flag("visitors_only", false);
+  const bool always = !table.has("dates") && !table.has("hours");
+  if (era.visitors_only && !always)
+    table.problem("visitors_only", "false in an era with dates or hours: with true it has neither");
+  era.otherwise = always && !era.visitors_only;
   if (table.has("dates")) {
     if (auto dates = parse_yearly(table.text("dates")))
       era.dates = std::move(*dates);
@@ -190,7 +195,7 @@ Era read_era(const ConfigTable& table) {
 }
 
 bool begins_on(const Era& era, std::chrono::local_days day) {
-  return !era.otherwise && era.includes(std::chrono::year_month_day(day));
+  return !era.otherwise && !era.visitors_only && era.includes(std::chrono::year_month_day(day));
 }
 
 }  // namespace

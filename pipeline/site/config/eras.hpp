@@ -16,6 +16,7 @@ struct Era {
   std::vector<YearlyDates> dates;  // empty: all the year
   DayHours hours = kAllDay;        // of those days; past midnight they belong to the day on which they begin
   bool otherwise = false;          // neither dates nor hours: whenever no other era is shown
+  bool visitors_only = false;      // shown only where a visitor chooses it
   // Instead of [object]'s and [still]'s; empty: as there.
   std::optional<std::filesystem::path> model;
   std::optional<std::string> scene;
@@ -24,7 +25,7 @@ struct Era {
   bool includes(std::chrono::year_month_day day) const;
 };
 
-// [[era]]: name, dates, hours, model, scene, picture, caption. Problems, all at once: eras of the same name, two at the
+// [[era]]: name, dates, hours, visitors_only, model, scene, picture, caption. Problems, all at once: eras of the same name, two at the
 // same time, and times at which the kiosk may be open and none is shown.
 std::vector<Era> read_eras(const ConfigTable& root, const OpeningHours& opening);
 

@@ -40,6 +40,18 @@ std::string shown(const ReadEras& read, Utc now, const std::string& zone = {}) {
 
 constexpr auto kMidsummer = sys_days{June / 21 / 2026};
 
+TEST(Eras, OneForVisitorsAloneIsNeverShownByDate) {
+  const auto read = read_era_keys(era("now", "") + era("ruin", "visitors_only = true") +
+                                  era("new-year", "dates = \"01-01\"") + era("fire", "visitors_only = true"));
+  EXPECT_EQ(read.problems, "");
+  EXPECT_TRUE(read.eras[1].visitors_only);
+  EXPECT_EQ(shown(read, sys_days{December / 31 / 2026} + 18h), "now");
+  EXPECT_EQ(shown(read, sys_days{January / 1 / 2027} + 2h), "new-year");
+  EXPECT_THAT(read_era_keys(era("now", "") + era("ruin", "visitors_only = true\nhours = \"09:00-12:00\"")).problems,
+              testing::HasSubstr("visitors_only"));
+  EXPECT_THAT(read_era_keys(era("ruin", "visitors_only = true")).problems, testing::HasSubstr("none is shown"));
+}
+
 TEST(Eras, SeasonsGoPastTheYearsEnd) {
   const auto two = read_era_keys(era("leaves", "dates = \"03-01..10-31\"") + era("snow", "dates = \"11-01..02-29\""));
   EXPECT_EQ(two.problems, "");
