@@ -22,9 +22,10 @@ Utc utc_of(std::chrono::local_time<Duration> wall, const std::string& time_zone,
 }
 
 double brightness_under(const Direction& sun) {
-  constexpr double kFollowed_deg = 3.0, kTenth_deg = 2.7;
-  const double down_deg = to_degrees({std::atan2(-sun.z, std::hypot(sun.x, sun.y))});
-  return std::pow(10.0, -std::max(0.0, down_deg - kFollowed_deg) / kTenth_deg);
+  constexpr double kWhole_deg = 6.0, kFollowed_deg = -3.0, kTenth_deg = 2.7, kDusk = 0.7;
+  const double up_deg = to_degrees({std::atan2(sun.z, std::hypot(sun.x, sun.y))});
+  const double dusk = kDusk * std::clamp((kWhole_deg - up_deg) / (kWhole_deg - kFollowed_deg), 0.0, 1.0);
+  return std::pow(10.0, -dusk - std::max(0.0, kFollowed_deg - up_deg) / kTenth_deg);
 }
 
 namespace {

@@ -18,8 +18,9 @@ namespace kasumi {
 // The instant at which the wall clock of that zone shows that time; without a zone, the clock that follows the mean sun.
 Utc utc_of(std::chrono::local_time<Duration> wall, const std::string& time_zone, double longitude_deg);
 
-// Brightness of a camera's picture, 1 by day: its exposure follows the light until the sun is 3 degrees down; below, the
-// light falls to a tenth with each 2.7 degrees, as twilight does.
+// Brightness of a camera's picture, 1 by day. From a sun 6 degrees up to 3 degrees down daylight falls to a hundredth; the
+// exposure follows most of it and lets the picture fall to a fifth, so that evening looks like evening. Below, it follows
+// no further, and the light falls to a tenth with each 2.7 degrees, as twilight does.
 double brightness_under(const Direction& sun);
 
 // The same kiosk with a scene camera of fewer pixels, at most so many wide: a sheet's cells are small. Only a pinhole camera
