@@ -269,7 +269,7 @@ Composition RenderLoop::composition() const {
   all.print = visitor_.print();
   // Where there is no building, then is as now.
   if (!is_building_seen()) return all;
-  all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language());
+  all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language(), screen_.stage().scene().shown_view());
   all.story = visitor_.story();
   return all;
 }
@@ -279,7 +279,7 @@ Snapshot RenderLoop::snapshot_facts() const {
   auto texts = words();
   if (const auto& caption = content_->config.still.caption; status_.rung.still > 0.0 && !caption.empty())
     texts.insert(texts.begin(), caption);
-  if (shown_ && shown_->hand.bare > 0.0) texts.insert(texts.end(), {shown_->hand.now, shown_->hand.then});
+  if (shown_ && !shown_->hand.then.empty()) texts.insert(texts.end(), {shown_->hand.now, shown_->hand.then});
   if (shown_ && !shown_->story.text.empty()) texts.insert(texts.end(), {shown_->story.title, shown_->story.text});
   return snapshot_of(status_, is_building_seen(), texts, clock_.utc());
 }
@@ -357,6 +357,7 @@ void RenderLoop::present() {
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   const auto* newest = frame ? &*frame : nullptr;
   const auto holder = frame ? frame->holder : nullptr;
+  screen_.stage().scene().set_view(visitor_.view());
   screen_.stage().scene().set_bare(composition().hand.bare);
   const auto uploaded_before = screen_.stage().scene().frames().uploaded;
   const auto on_planes = try_planes(newest, **target);

@@ -31,6 +31,8 @@ class RenderLoop {
   std::string refused() const { return screen_.refused(); }
   const Rung& rung() const { return status_.rung; }
   const RenderStatus& status() const { return status_; }  // current; published twice a second
+  // What is on the glass, for tests.
+  BuildingView shown_view() { return screen_.is_open() ? screen_.stage().scene().shown_view() : BuildingView::live; }
   // The display, for tests; null while there is none.
   Display* display() { return screen_.display(); }
 

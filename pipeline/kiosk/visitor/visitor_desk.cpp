@@ -118,6 +118,10 @@ std::string VisitorDesk::note() const {
   switch (*pressed) {
     case HandKey::then_and_now: break;  // its labels say what it does
     case HandKey::story: break;         // it is read
+    case HandKey::view: {
+      auto title = title_of(view(), language());
+      return title.empty() ? std::string(text_of("hand.view_live", language())) : title;
+    }
     case HandKey::era: return era_title();
     case HandKey::language: return std::string(name_of(language()));
     case HandKey::large_print:

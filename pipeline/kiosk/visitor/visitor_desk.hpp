@@ -40,6 +40,7 @@ class VisitorDesk {
   bool is_there() const { return options_.has_value(); }
   bool is_moving() const { return hand_ && hand_->is_moving(); }
   double bare() const { return hand_ ? hand_->choice().bare : 0.0; }
+  BuildingView view() const { return static_cast<BuildingView>(hand_ ? hand_->choice().view : 0); }
   std::size_t era() const { return hand_ ? hand_->choice().era : 0; }  // so many after the one of the day
   Language language() const;
   double print() const;      // of the letters' usual size

@@ -11,8 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// Columns in the order of HandKey.
-constexpr std::string_view kPressesHeader = "hour_utc,then_and_now,era,language,large_print,story\n";
+constexpr std::size_t kFewestCounts = 5;               // older files lack the keys that came later
 constexpr auto kPressesKept = std::chrono::days(396);  // 13 months
 constexpr std::uint64_t kMostPresses = 1'000'000'000;  // in an hour
 
@@ -33,8 +32,9 @@ PressesByHour read_presses(std::string_view text) {
     if (!hour || *hour != std::chrono::floor<std::chrono::hours>(*hour)) continue;
     std::array<std::uint64_t, kHandKeys> counts{};
     bool whole = true;
-    for (auto& count : counts) {
+    for (std::size_t i = 0; i < kHandKeys && (i < kFewestCounts || !line.empty()); ++i) {
       const auto part = cut(line, ',');
+      auto& count = counts[i];
       const auto read = std::from_chars(part.data(), part.data() + part.size(), count);
       whole = whole && read.ec == std::errc{} && read.ptr == part.data() + part.size() && count <= kMostPresses;
     }
@@ -44,7 +44,7 @@ PressesByHour read_presses(std::string_view text) {
 }
 
 std::string presses_text(const PressesByHour& presses) {
-  std::string text(kPressesHeader);
+  auto text = fmt::format("hour_utc,{}\n", fmt::join(kHandKeyNames, ","));
   for (const auto& [hour, counts] : presses) text += fmt::format("{},{}\n", utc_text(hour), fmt::join(counts, ","));
   return text;
 }

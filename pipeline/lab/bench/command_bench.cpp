@@ -37,6 +37,7 @@ constexpr Part kParts[] = {
     {"layer", +[] { return bench_layer(); }},
     {"surroundings", +[] { return bench_surroundings(); }},
     {"people", +[] { return bench_people(); }},
+    {"visitor", +[] { return bench_visitor(); }},
     {"dome", +[] { return bench_dome(); }},
     {"haze", +[] { return bench_haze(); }},
 };

@@ -16,6 +16,8 @@ Result<std::vector<BenchRow>> bench_layer();
 Result<std::vector<BenchRow>> bench_surroundings();
 // A picture in which people stay in front of the building. Errors as well: unsupported (they are not found).
 Result<std::vector<BenchRow>> bench_people();
+// The wipe and the views that visitors may choose.
+Result<std::vector<BenchRow>> bench_visitor();
 // The sky dome next to earlier sky models.
 struct DomeBenchSize {
   int width = 1920, height = 1080;

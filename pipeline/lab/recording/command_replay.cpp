@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 
 #include <spdlog/spdlog.h>
@@ -24,6 +25,7 @@ struct ReplayArguments {
   bool overlay = false;
   std::string mixing = "auto";
   double wipe = 0.0;
+  std::string view = "live";
   std::string scattering = "auto";
   std::string zeta = "full";
 };
@@ -45,6 +47,8 @@ ReplayRequest request_of(const ReplayArguments& arguments) {
   if (arguments.mixing == "gpu") request.mixing = Mixing::gpu;
   if (arguments.mixing == "processor") request.mixing = Mixing::processor;
   request.wipe = arguments.wipe;
+  request.view =
+      static_cast<BuildingView>(std::ranges::find(kBuildingViewNames, arguments.view) - kBuildingViewNames.begin());
   return request;
 }
 
@@ -119,6 +123,9 @@ void add_replay_command(CLI::App& app, Action& action) {
       ->add_option("--wipe", arguments->wipe,
                    "Left of this share of the width the camera's picture alone, as a visitor wipes it")
       ->check(CLI::Range(0.0, 1.0));
+  command->add_option("--view", arguments->view, "The building as a visitor may choose to see it")
+      ->check(CLI::IsMember({"live", "alone", "clear_air", "evening"}))
+      ->capture_default_str();
   command
       ->add_option("--scattering", arguments->scattering,
                    "Scattering coefficients; auto: the aerosol's where it is known, else morales2017")

@@ -103,6 +103,7 @@ class Run {
         site_(fixture.installation.site),
         air_(air) {
     compositor_.set_bare(request.wipe);
+    compositor_.set_view(request.view);
     if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
     summary_.fixture = fixture.info.name;
     summary_.gl_renderer = output_.context().info().renderer;
@@ -198,7 +199,8 @@ class Run {
       return {};
     }
     place_sun(latest_, frame->metadata.utc, site_);
-    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_ && request_.wipe <= 0.0) {
+    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_ && request_.wipe <= 0.0 &&
+        request_.view == BuildingView::live) {
       const auto mixed = compositor_.mix(*frame, latest_);
       if (!mixed) return skip_or_fail(*frame, mixed.error());
       if (output_.sink)
@@ -234,7 +236,8 @@ class Run {
     if (overlay_)
       if (auto drawn = overlay_->draw(target); !drawn) return drawn;
     const MessageOptions letters;
-    return then_and_now_.draw(output_.context(), hand_view(request_.wipe, latest_, letters.language), letters, target);
+    return then_and_now_.draw(output_.context(), hand_view(request_.wipe, latest_, letters.language, request_.view),
+                              letters, target);
   }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {

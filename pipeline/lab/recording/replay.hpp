@@ -20,9 +20,10 @@ struct ReplayRequest {
   bool realtime = false;  // at the recorded pace; the sky then runs in a thread of its own, as in the appliance
   std::optional<std::size_t> frames;  // stop after so many pictures
   SceneAirOptions air;
-  GivenAir given = {};   // takes precedence over the air in the fixture's [site]
-  bool terms = false;    // next to each picture of a folder its airlight and its direct transmission
-  double wipe = 0.0;     // left of this share of the width the camera's picture alone
+  GivenAir given = {};  // takes precedence over the air in the fixture's [site]
+  bool terms = false;   // next to each picture of a folder its airlight and its direct transmission
+  double wipe = 0.0;    // left of this share of the width the camera's picture alone
+  BuildingView view = BuildingView::live;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the pictures
   Mixing mixing = Mixing::automatic;
 };

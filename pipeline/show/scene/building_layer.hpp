@@ -33,7 +33,8 @@ class BuildingLayer {
   Result<bool> go_on(Renderer& renderer, const std::function<bool()>& time_is_left = {});
 
   bool any() const { return layer_.has_value(); }
-  std::uint64_t drawn() const { return drawn_; }  // layers so far
+  BuildingView view() const { return layer_ ? layer_->scene.view : BuildingView::live; }  // as alone is
+  std::uint64_t drawn() const { return drawn_; }                                          // layers so far
   const ObjectDetail& detail() const { return detail_; }
   // Of the layer begun last; null: none was.
   const std::shared_ptr<const ObjectAppearance>& appearance() const { return appearance_; }

@@ -16,7 +16,7 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
-  if (auto passed = frame_.pass(renderer_, picture); !passed) return passed;
+  if (auto passed = frame_.pass(renderer_, picture, dims()); !passed) return passed;
   if (auto followed = follow(metadata, picture, sky); !followed) return followed;
   return show(target);
 }
@@ -24,7 +24,7 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
 Result<const Image<glm::u8vec4>*> Compositor::mix(const Frame& frame, const SkyReport& sky) {
   const auto picture = decode(frame, encoding_);
   if (!picture) return fail(picture.error());
-  if (auto passed = frame_.pass(renderer_, *picture); !passed) return fail(passed.error());
+  if (auto passed = frame_.pass(renderer_, *picture, dims()); !passed) return fail(passed.error());
   if (auto followed = follow(frame.metadata, *picture, sky); !followed) return fail(followed.error());
   return measured_ ? renderer_.mix(*measured_, noise_) : renderer_.mix_background();
 }
@@ -43,14 +43,36 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
     const PixelBox box = renderer_.object_box();
     around_.look_at_ground(metadata, picture.view(), *layer_.appearance_at(now, air_, box), air_.measured(now, box));
   }
-  const LayerConditions under{now, wanted, around_.ground()};
+  const bool is_now = view_ == BuildingView::live || view_ == BuildingView::alone;
+  const LayerConditions under =
+      is_now ? LayerConditions{now, wanted, around_.ground()}
+             : LayerConditions{air_.conditions(lit_for(view_, sky, site_), view_), wanted, GroundLook{}};
   auto updated = clock_ && layer_.any() ? layer_.update_in_slices(renderer_, air_, under, metadata.captured_at, *clock_)
                                         : layer_.update_at_once(renderer_, air_, under);
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
-  around_.ask_about_ground(layer_.appearance(), *measured_);
+  if (is_now && layer_.view() == BuildingView::live) around_.ask_about_ground(layer_.appearance(), *measured_);
+  measured_ = light_of_view(std::move(*measured_), now);
   if (!updated) return updated;
   return renderer_.set_in_front(around_.look_for_passers(picture.view(), metadata.captured_at, renderer_.object_box()));
+}
+
+// The camera's exposure and white balance are those of now: the evening's horizon is as bright to it as this one, and has
+// the colour that it would have.
+AirlightGrid Compositor::light_of_view(AirlightGrid measured, const SceneConditions& now) {
+  if (layer_.view() != BuildingView::evening || !layer_.appearance()) return measured;
+  if (tint_.layer != layer_.drawn()) {
+    const auto mean = [](const AirlightGrid& grid) {
+      glm::dvec3 sum{0.0};
+      for (const auto& light : grid.light) sum += light;
+      return sum;
+    };
+    const glm::dvec3 ratio =
+        mean(layer_.appearance()->horizon) / mean(air_.appearance(now, renderer_.object_box()).horizon);
+    tint_ = {layer_.drawn(), ratio / ratio.g};
+  }
+  for (auto& light : measured.light) light *= tint_.factor;
+  return measured;
 }
 
 void Compositor::adopt(const HorizonAnswer& answer) {

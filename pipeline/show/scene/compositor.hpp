@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "gles/gl/context.hpp"
 #include "pipeline/show/scene/building_layer.hpp"
+#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/frame_upload.hpp"
 #include "pipeline/show/scene/surroundings_watch.hpp"
 
@@ -63,6 +64,14 @@ class Compositor {
   // As Renderer::set_bare(): from the next picture that is drawn, not those for planes.
   void set_bare(double share) { renderer_.set_bare(share); }
 
+  // From the next picture that is drawn: what is dimmed at once, what needs another layer once that is drawn.
+  void set_view(BuildingView view) { view_ = view; }
+  // The view that the layer shows by now.
+  BuildingView shown_view() const {
+    const auto drawn = layer_.view();
+    return drawn == BuildingView::live && view_ == BuildingView::alone ? view_ : drawn;
+  }
+
   // For when the camera is gone. The last picture is copied first, if it lies in one of its buffers. Errors: device.
   Result<> drop_camera_buffers();
   // Before the first frame: draws the building's layer under `sky` for pictures of that layout, in pieces between which
@@ -101,10 +110,13 @@ class Compositor {
         encoding_(installation.scene.yuv_encoding),
         quality_(installation.scene_quality),
         white_balance_(installation.scene.white_balance),
+        site_(installation.site),
         width_(installation.scene.width),
         height_(installation.scene.height) {}
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> show(const DrawTarget& target);
+  bool dims() const { return is_dimmed(clock_ ? shown_view() : view_); }
+  AirlightGrid light_of_view(AirlightGrid measured, const SceneConditions& now);
 
   std::future<void> filters_;  // of the sky, on their way
   Renderer renderer_;
@@ -115,6 +127,13 @@ class Compositor {
   YuvEncoding encoding_;
   ImageQuality quality_;
   glm::dvec3 white_balance_;
+  Site site_;
+  BuildingView view_ = BuildingView::live;
+  struct EveningTint {
+    std::uint64_t layer = 0;
+    glm::dvec3 factor{1.0};
+  };
+  EveningTint tint_;                      // of the layer of the evening
   int width_, height_;                    // of the camera's pictures
   const Clock* clock_ = nullptr;          // live; null: everything is done at once
   SensorNoise noise_;                     // of the picture drawn last

@@ -14,13 +14,14 @@ ExternalPicture external(const PictureView& view, const DmaBuf& memory) {
 
 }  // namespace
 
-Result<> FrameUpload::pass(Renderer& renderer, const DecodedPicture& picture) {
-  if (picture.dma_buf() && renderer.import_frame(external(picture.view(), *picture.dma_buf()))) {
+Result<> FrameUpload::pass(Renderer& renderer, const DecodedPicture& picture, bool dimmed) {
+  if (!dimmed && picture.dma_buf() && renderer.import_frame(external(picture.view(), *picture.dma_buf()))) {
     lent_ = picture;
     lent_to_gpu_ = any_ = true;
     return {};
   }
-  if (auto uploaded = renderer.upload(picture.view(), picture.jpeg_steps()); !uploaded) return uploaded;
+  const PictureView& view = dimmed ? dimmed_.dim(picture.view()) : picture.view();
+  if (auto uploaded = renderer.upload(view, picture.jpeg_steps()); !uploaded) return uploaded;
   lent_.reset();
   any_ = true;
   return {};

@@ -5,6 +5,7 @@
 
 #include "capture/frame.hpp"
 #include "gles/object/renderer.hpp"
+#include "pipeline/show/scene/dimmed_picture.hpp"
 
 namespace kasumi {
 
@@ -14,7 +15,7 @@ class FrameUpload {
   FrameUpload(int width, int height) : width_(width), height_(height) {}
 
   // Errors: as Renderer::upload().
-  Result<> pass(Renderer& renderer, const DecodedPicture& picture);
+  Result<> pass(Renderer& renderer, const DecodedPicture& picture, bool dimmed = false);
   // Only keeps the picture, for a display that shows it by itself. Errors: bad_input (another size, or not in a
   // driver's buffer).
   Result<> lend(const DecodedPicture& picture);
@@ -31,6 +32,7 @@ class FrameUpload {
   std::optional<DecodedPicture> lent_;  // the last picture, while it uses the driver's buffer
   bool lent_to_gpu_ = false;            // else to the display alone
   ExternalPicture camera_buffer_;
+  DimmedPicture dimmed_;
   bool any_ = false;
 };
 

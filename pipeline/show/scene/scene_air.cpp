@@ -108,6 +108,7 @@ HorizonLight unsaturated(HorizonLight horizon, const glm::dvec3& white_balance, 
 }  // namespace
 
 bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
+  if (now.view != drawn.view) return false;
   for (int c = 0; c < 3; ++c)
     if (std::abs(now.by_cards.sun[c] - drawn.by_cards.sun[c]) > kMinLightChange ||
         std::abs(now.by_cards.around[c] - drawn.by_cards.around[c]) > kMinLightChange)
@@ -182,6 +183,18 @@ SceneConditions SceneAir::conditions(const SkyReport& report) const {
   conditions.by_cards = cards_.factors;
   conditions.saturation = saturation_.value_or(report.scene_saturation.value_or(1.0));
   conditions.haze_blur_px = haze_blur_px(conditions.air);
+  return conditions;
+}
+
+SceneConditions SceneAir::conditions(const SkyReport& report, BuildingView view) const {
+  auto conditions = this->conditions(report);
+  if (view == BuildingView::live || view == BuildingView::alone) return conditions;
+  conditions.view = view;
+  if (view == BuildingView::clear_air) {
+    const auto& air = conditions.air;  // its kind stays
+    conditions.air = air_of(kClearAir, air.aerosol_known() ? std::optional(air.aerosol()) : given_.to_be_found());
+    conditions.haze_blur_px = haze_blur_px(conditions.air);
+  }
   return conditions;
 }
 

@@ -45,6 +45,8 @@ class SceneAir {
   SceneAir(const Installation& installation, SceneAirOptions options);
 
   SceneConditions conditions(const SkyReport& report) const;
+  // The same for a view of the building. `report`: lit for it (lit_for()).
+  SceneConditions conditions(const SkyReport& report, BuildingView view) const;
   // Haze, light and the model's horizon over the object's part of the picture. `box`: where the object appears. With a
   // ground that was looked at it BLOCKS for some milliseconds.
   ObjectAppearance appearance(const SceneConditions& conditions, const PixelBox& box,

@@ -5,12 +5,14 @@
 
 #include "estimator/atmosphere.hpp"
 #include "estimator/light/card_light.hpp"
+#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/sky_watch.hpp"
 
 namespace kasumi {
 
 // The air a picture is drawn under.
 struct SceneConditions {
+  BuildingView view = BuildingView::live;  // of those that are lit or seen in another air; alone is as live
   AirState air;
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;

@@ -16,6 +16,7 @@ std::string Composition::over_scene() const {
   if (rung.dark > 0.0) return "the screen is dark";
   if (rung.still > 0.0) return "the still picture is shown";
   if (hand.bare > 0.0) return "a visitor wipes";
+  if (!hand.then.empty()) return "a visitor looks at another view";
   if (!story.text.empty()) return "a visitor reads a story";
   return message.empty() ? "" : "words are shown";
 }

@@ -19,9 +19,22 @@ std::string_view air_text(const SkyReport& sky) {
 
 }  // namespace
 
-HandView hand_view(double bare, const SkyReport& sky, Language language) {
-  if (!(bare > 0.0)) return {};
-  return {bare, std::string(text_of("hand.now", language)), std::string(text_of(air_text(sky), language))};
+std::string title_of(BuildingView view, Language language) {
+  switch (view) {
+    case BuildingView::live: return {};
+    case BuildingView::alone: return std::string(text_of("hand.view_alone", language));
+    case BuildingView::clear_air: return std::string(text_of("hand.view_clear_air", language));
+    case BuildingView::evening: return std::string(text_of("hand.view_evening", language));
+  }
+  return {};
+}
+
+HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view) {
+  if (!(bare > 0.0) && view == BuildingView::live) return {};
+  const auto air = view == BuildingView::clear_air ? "hand.then_supposed" : air_text(sky);
+  std::string then(text_of(air, language));
+  if (view != BuildingView::live) then = title_of(view, language) + "\n" + then;
+  return {bare, bare > 0.0 ? std::string(text_of("hand.now", language)) : std::string(), std::move(then)};
 }
 
 Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, double to, GlContext& context,
@@ -45,11 +58,11 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
 
 Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageOptions& letters,
                           const DrawTarget& target) {
-  if (view.bare <= 0.0) return {};
+  if (view.then.empty()) return {};
   const double edge = std::round(view.bare * target.width);
   if (auto drawn = draw(now_, view.now, 0.0, edge, context, letters, target); !drawn) return drawn;
   if (auto drawn = draw(then_, view.then, edge, target.width, context, letters, target); !drawn) return drawn;
-  if (view.bare >= 1.0) return {};
+  if (view.bare <= 0.0 || view.bare >= 1.0) return {};
   if (!edge_) {
     Image<Rgba8> line(3, 1, kEdgeDark);
     line.at(1, 0) = kEdgeLight;

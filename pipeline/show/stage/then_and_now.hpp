@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gles/picture/flat_picture.hpp"
+#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/sky_watch.hpp"
 #include "pipeline/show/stage/words.hpp"
 #include "pipeline/site/config/run_config.hpp"
@@ -14,12 +15,14 @@ namespace kasumi {
 
 struct HandView {
   double bare = 0.0;      // of the screen's width: the camera's picture alone
-  std::string now, then;  // what is to be seen left and right of the edge
+  std::string now, then;  // what is to be seen left and right of the edge; `then` also without one, in a view
   friend bool operator==(const HandView&, const HandView&) = default;
 };
 
-// Of a picture with the building drawn under that air.
-HandView hand_view(double bare, const SkyReport& sky, Language language);
+// Of a picture with the building drawn under that air, in that view.
+HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view = BuildingView::live);
+// "The building in clear air"; empty: live.
+std::string title_of(BuildingView view, Language language);
 
 class ThenAndNow {
  public:

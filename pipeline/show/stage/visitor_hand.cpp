@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/show/scene/building_view.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -43,6 +45,7 @@ void VisitorHand::press(HandKey key, Instant now) {
     case HandKey::era: choice_.era = (choice_.era + 1) % limits_.eras; return;
     case HandKey::language: choice_.language = (choice_.language + 1) % limits_.languages; return;
     case HandKey::large_print: choice_.large_print = !choice_.large_print; return;
+    case HandKey::view: choice_.view = (choice_.view + 1) % kBuildingViews; return;
     case HandKey::story: choice_.story = (choice_.story + 1) % (stories_ + 1); return;
   }
 }

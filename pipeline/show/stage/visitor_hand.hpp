@@ -24,6 +24,7 @@ class VisitorHand {
     std::size_t language = 0;  // so many after the configured one
     bool large_print = false;
     std::size_t story = 0;  // 0: none
+    std::size_t view = 0;   // a BuildingView; 0: live
     friend bool operator==(const Choice&, const Choice&) = default;
   };
 

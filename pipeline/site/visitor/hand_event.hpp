@@ -13,8 +13,10 @@ enum class HandKey {
   language,      // the next one
   large_print,   // on, or off again
   story,         // the next one; after the last none
+  view,          // the next one of BuildingView; after the last the live one
 };
-constexpr std::array<std::string_view, 5> kHandKeyNames{"then_and_now", "era", "language", "large_print", "story"};
+constexpr std::array<std::string_view, 6> kHandKeyNames{"then_and_now", "era",   "language",
+                                                        "large_print",  "story", "view"};
 constexpr std::size_t kHandKeys = kHandKeyNames.size();
 
 struct HandEvent {

@@ -9,6 +9,7 @@
 
 #include "base/files.hpp"
 #include "pipeline/kiosk/visitor/visitor_presses.hpp"
+#include "pipeline/show/scene/dimmed_picture.hpp"
 #include "pipeline/show/stage/shown_story.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
@@ -23,7 +24,7 @@ using testing::HasSubstr;
 const std::filesystem::path kPanel = "/dev/input/by-id/usb-Panel-event-kbd";
 constexpr const char* kHand =
     "\n[visitor]\ndevices = [\"/dev/input/by-id/usb-Panel-event-kbd\"]\nthen_and_now = [\"KEY_SPACE\"]\n"
-    "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\nstory = [\"KEY_S\"]\n";
+    "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\nstory = [\"KEY_S\"]\nview = [\"KEY_V\"]\n";
 
 struct Kiosk {
   explicit Kiosk(const std::string& name, const std::string& more = {}) {
@@ -193,6 +194,80 @@ TEST(Visitor, AStoryIsReadBesideTheBuilding) {
   EXPECT_LT(difference(rig.picture(), plain, 0, plain.width()), 0.05) << "the next visitor finds none";
 }
 
+double mean_green(const Image<Rgb8>& picture, int from, int to) {
+  double sum = 0.0;
+  for (int y = 20; y < 60; ++y)
+    for (int x = from; x < to; ++x) sum += picture.at(x, y).g;
+  return sum / (40.0 * (to - from));
+}
+
+TEST(Visitor, TheBuildingIsSeenAloneInClearAirAndInTheEvening) {
+  Kiosk kiosk("views");
+  auto& rig = *kiosk.rig;
+  const auto shown_view = [&] { return rig.appliance->render().shown_view(); };
+  const auto plain = rig.picture();
+  const auto next = [&] {
+    kiosk.tap(KEY_V);
+    rig.advance(500ms);
+  };
+  next();
+  EXPECT_EQ(shown_view(), BuildingView::alone);
+  const auto alone = rig.picture();
+  EXPECT_NEAR(mean_green(alone, 20, 40), kDimmed * mean_green(plain, 20, 40), 3.0) << "the sky beside it is dimmed";
+  next();
+  EXPECT_TRUE(rig.advance_until([&] { return shown_view() == BuildingView::clear_air; }, 10s));
+  rig.advance(4s);
+  const auto clear = rig.picture();
+  EXPECT_LT(difference(clear, plain, 20, 40), 0.5) << "the sky is as it is";
+  EXPECT_GT(difference(clear, plain, 60, 260), 0.05) << "the building is in other air";
+  next();
+  EXPECT_TRUE(rig.advance_until([&] { return shown_view() == BuildingView::evening; }, 10s));
+  rig.advance(4s);
+  const auto evening = rig.picture();
+  EXPECT_GT(difference(evening, alone, 60, 260), 0.05) << "under another sun";
+  EXPECT_TRUE(rig.advance_until([&] { return shown_view() == BuildingView::live; }, 60s)) << "without a hand for 45 s";
+  rig.advance(4s);
+  EXPECT_LT(difference(rig.picture(), plain, 60, 260), 0.05) << "as before: nothing of the views stays";
+}
+
+// What is waited for at most: the picture that was being drawn, and the one with the answer.
+TEST(Visitor, APressIsSeenInTheSecondPictureAtTheLatest) {
+  for (const std::string way : {"gpu", "processor", "planes"}) {
+    RigOptions options{.name = "press-" + way, .more_config = kHand};
+    options.no_leaves = true;
+    options.display.planes = way == "planes";
+    Rig rig(options);
+    if (way != "planes") replace_in(rig.config, "kind = \"headless\"", "kind = \"headless\"\nmixing = \"" + way + "\"");
+    if (way != "planes") rig.hang_up();
+    if (way == "planes") rig.devices.scene.spoil = lend();
+    rig.devices.input.devices[kPanel].axes[ABS_X].maximum = 1000;
+    rig.advance(15s);
+    ASSERT_EQ(rig.shown(), Shown::live);
+    if (way == "planes") {
+      EXPECT_EQ(rig.status().render.display.planes, "on");
+    } else {
+      EXPECT_EQ(rig.status().render.display.mixing, way);
+    }
+    for (const int code : {KEY_L, KEY_P, KEY_V, KEY_SPACE}) {
+      const auto before = rig.picture();
+      const auto pictures = rig.appliance->render().status().pictures;
+      rig.devices.input.devices[kPanel].key(code, true);
+      const auto changed = [&] {
+        const auto now = rig.picture();
+        int pixels = 0;
+        for (int y = 20; y < now.height(); ++y)
+          for (int x = 0; x < now.width(); ++x) pixels += std::abs(now.at(x, y).g - before.at(x, y).g) > 24 ? 1 : 0;
+        return pixels > 40;
+      };
+      ASSERT_TRUE(rig.advance_until(changed, 2s)) << way << ", key " << code;
+      const auto shown = rig.appliance->render().status().pictures - pictures;
+      EXPECT_LE(shown, 2U) << way << ", key " << code;
+      rig.devices.input.devices[kPanel].key(code, false);
+      rig.advance(6s);
+    }
+  }
+}
+
 TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
   Kiosk kiosk("presses");
   kiosk.tap(KEY_L);
@@ -201,7 +276,7 @@ TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
   kiosk.rig->advance(2s);
   kiosk.rig->appliance->status().keep();
   const auto text = read_text_file(kiosk.rig->folder / "state" / kPressesFile).value();
-  EXPECT_EQ(text, "hour_utc,then_and_now,era,language,large_print,story\n2026-06-21T03:00:00Z,0,0,2,1,0\n");
+  EXPECT_EQ(text, "hour_utc,then_and_now,era,language,large_print,story,view\n2026-06-21T03:00:00Z,0,0,2,1,0,0\n");
 }
 
 TEST(Visitor, Row48ADeviceThatIsUnpluggedLetsGoAndComesBack) {
