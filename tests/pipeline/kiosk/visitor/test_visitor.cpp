@@ -300,7 +300,7 @@ TEST(Visitor, Row48ADeviceThatIsUnpluggedLetsGoAndComesBack) {
 }
 
 // Its driver answers neither to opening, nor to taking it, nor to reading.
-TEST(Visitor, Row50ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
+TEST(Visitor, Row52ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
   for (const auto where : {&FakeInputDevice::on_open, &FakeInputDevice::on_grab, &FakeInputDevice::on_read}) {
     const std::filesystem::path hangs = "/dev/input/by-id/usb-Dead-event-kbd";
     auto config = std::string(kHand);
