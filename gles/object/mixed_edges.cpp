@@ -234,7 +234,6 @@ vec4 dither_at(const Image<std::uint8_t>& pattern, int x, int y) {
 
 // The nodes of the matte as matte.frag finds them, behind in the left half, in front in the right one.
 Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const OpenText& text, const Image<std::uint8_t>& dither) {
-  constexpr double kClearFalloff = -2.0, kFrontFalloff = -1.0;  // as in matte.cpp
   Image<glm::u8vec4> nodes(2 * matte.columns, matte.rows, glm::u8vec4{0});
   const vec2 size(static_cast<float>(text.camera_planes->width), static_cast<float>(text.camera_planes->height));
   OpenText own = text;
@@ -245,8 +244,9 @@ Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const OpenText& text, const
       float weight = 0.0F;
       for (const auto& tap : front ? node.front : node.clear) {
         if (!tap) continue;
-        const double far = std::hypot(tap->x - middle.x, tap->y - middle.y) + 1.0;
-        const auto share = static_cast<float>(std::pow(far, front ? kFrontFalloff : kClearFalloff));
+        const double across = tap->x - middle.x, down = tap->y - middle.y;
+        const double far = std::sqrt(across * across + down * down) + 1.0;
+        const auto share = static_cast<float>(1.0 / (front ? far : far * far));  // the falloffs of matte.cpp
         const vec2 place(static_cast<float>(tap->x) + 0.5F, static_cast<float>(tap->y) + 0.5F);
         sum = sum + share * own.light_of(clamp(own.camera_at(place / size), 0.0F, 1.0F));
         weight += share;
@@ -258,7 +258,7 @@ Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const OpenText& text, const
       const float step = own.dither({}) / 255.0F;
       const vec3 root = sqrt(sum / weight);
       const auto byte = [&](float value) {
-        return static_cast<std::uint8_t>(std::lround(255.0F * clamp(value + step, 0.0F, 1.0F)));
+        return static_cast<std::uint8_t>(static_cast<int>(255.0F * clamp(value + step, 0.0F, 1.0F) + 0.5F));
       };
       nodes.at(at.x, at.y) = {byte(root.r), byte(root.g), byte(root.b), 255};
     }
