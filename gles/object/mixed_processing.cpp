@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -49,6 +50,12 @@ KASUMI_INLINED Row kept(Row value) {
 }
 KASUMI_INLINED Whole bytes_of(Row value) {
   return truncated(255.0F * held(value, 0.0F, 1.0F) + 0.5F);
+}
+
+// Half of its values, each for two pixels.
+KASUMI_INLINED Row twice(Row values, int half) {
+  return half == 0 ? __builtin_shufflevector(values, values, 0, 0, 1, 1, 2, 2, 3, 3)
+                   : __builtin_shufflevector(values, values, 4, 4, 5, 5, 6, 6, 7, 7);
 }
 
 // Factors of the transform: by order, then place; and the reverse.
@@ -271,7 +278,7 @@ void MixedProcessing::round_block(int left, int top, Image<glm::u8vec4>& composi
       if (first + kSide - 1 <= last_px.x)
         std::memcpy(&pixels, row + first, sizeof pixels);
       else
-        for (int x = 0; x < kSide; ++x) std::memcpy(&pixels[x], row + std::min(first + x, last_px.x), sizeof pixels[x]);
+        for (int x = 0; x < kSide; ++x) pixels[x] = std::bit_cast<std::int32_t>(row[std::min(first + x, last_px.x)]);
       for (int c = 0; c < 3; ++c) rgb[c][y][half] = __builtin_convertvector((pixels >> (8 * c)) & 255, Row);
     }
   }
@@ -306,8 +313,8 @@ void MixedProcessing::round_block(int left, int top, Image<glm::u8vec4>& composi
             for (int half = 0; half < shared.x; ++half)
               sum[half] += rgb[c][(down + y) * shared.y + v][across * shared.x + half];
           if (shared.x == 2)
-            sum[0] = __builtin_shuffle(sum[0], sum[1], Whole{0, 2, 4, 6, 8, 10, 12, 14}) +
-                     __builtin_shuffle(sum[0], sum[1], Whole{1, 3, 5, 7, 9, 11, 13, 15});
+            sum[0] = __builtin_shufflevector(sum[0], sum[1], 0, 2, 4, 6, 8, 10, 12, 14) +
+                     __builtin_shufflevector(sum[0], sum[1], 1, 3, 5, 7, 9, 11, 13, 15);
           mean[c] = sum[0] * (share / 255.0F);
         }
         b.rows[y] = in_levels(-0.168736F * mean[0] - 0.331264F * mean[1] + 0.5F * mean[2]);
@@ -328,9 +335,8 @@ void MixedProcessing::round_block(int left, int top, Image<glm::u8vec4>& composi
       const Row light = held(in_levels(luma[y][half]) + kMiddle, 0.0F, 1.0F);
       Row b = blue[y / shared.y][shared.x == 2 ? 0 : half], r = red[y / shared.y][shared.x == 2 ? 0 : half];
       if (shared.x == 2) {
-        const Whole twice = Whole{0, 0, 1, 1, 2, 2, 3, 3} + 4 * half;
-        b = __builtin_shuffle(b, twice);
-        r = __builtin_shuffle(r, twice);
+        b = twice(b, half);
+        r = twice(r, half);
       }
       glm::u8vec4* to = composite.row(top + y) + left + half * kSide;
       Whole pixels{};
