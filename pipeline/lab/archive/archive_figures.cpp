@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -71,9 +72,15 @@ void ArchiveFigures::add(const nlohmann::json& record) {
   }
   const auto aod = refused.empty() ? number_in(record, "aod_550") : std::nullopt;
   const auto cloud = number_in(record, "cloud_fraction");
-  if (refused.empty())
+  if (refused.empty()) {
     ++usable_;
-  else
+    const auto zenith = number_in(record, "sun_zenith_deg"), azimuth = number_in(record, "sun_azimuth_deg");
+    if (zenith && azimuth) {
+      const double around = std::fmod(*azimuth + 360.0, 360.0) / 15.0, height = (kBelowHorizon_deg - *zenith) / 10.0;
+      ++suns_[static_cast<std::size_t>(std::clamp(height, 0.0, 8.0))]
+             [static_cast<std::size_t>(std::clamp(around, 0.0, 23.0))];
+    }
+  } else
     ++refusals_[without_numbers(refused)];
   const auto utc = parse_utc(text_in(record, "utc"));
   if (!utc) {

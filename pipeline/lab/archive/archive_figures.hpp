@@ -57,6 +57,8 @@ class ArchiveFigures {
   const std::map<std::chrono::sys_days, Cell>& days() const { return days_; }
   const Cell& at(std::size_t month, std::size_t hour) const { return hours_[month][hour]; }  // month from 0
   Cell month(std::size_t month) const;
+  // Pictures whose air is known with the sun there: by 10 deg of height, by 15 deg of azimuth from north.
+  std::size_t suns(std::size_t height, std::size_t azimuth) const { return suns_[height][azimuth]; }
   // Why, and how many, the most frequent first.
   std::vector<std::pair<std::string, std::size_t>> refusals() const;
 
@@ -66,6 +68,7 @@ class ArchiveFigures {
   std::optional<Utc> first_, last_;
   std::map<std::chrono::sys_days, Cell> days_;
   std::array<std::array<Cell, 24>, 12> hours_;
+  std::array<std::array<std::size_t, 24>, 9> suns_{};
   std::map<std::string, std::size_t> refusals_;
 };
 

@@ -101,7 +101,7 @@ class Dates {
     const auto tick = [&](sys_days day, const std::string& words) {
       const double at = x(day) - 0.5 * pitch();
       add_rule(svg, at, top, at, bottom);
-      if (at - before < 44.0) return;
+      if (at - before < 44.0 || at > right_ - 26.0) return;
       before = at;
       add_text(svg, at, bottom + 16, "start", words);
     };
@@ -220,6 +220,33 @@ std::string plot_by_hour_and_month(const ArchiveFigures& figures, SkyFigure figu
     }
   }
   add_scale(svg, kLeft + 14, kTop + 12 * kHigh + 12, top, figure);
+  svg.add("</svg>\n");
+  return std::move(svg).text();
+}
+
+std::string plot_suns(const ArchiveFigures& figures) {
+  constexpr double kWide = 36, kHigh = 20, kLeft = 46, kTop = 20, kBottom = kTop + 9 * kHigh;
+  constexpr std::array<const char*, 5> kSides{"N", "E", "S", "W", "N"};
+  std::size_t most = 1;
+  for (std::size_t height = 0; height < 9; ++height)
+    for (std::size_t azimuth = 0; azimuth < 24; ++azimuth) most = std::max(most, figures.suns(height, azimuth));
+  PageText svg;
+  open_svg(svg, 960, kBottom + 40, "Where the sun stood when the air was known");
+  for (std::size_t i = 0; i < kSides.size(); ++i)
+    add_text(svg, kLeft + kWide * 6.0 * static_cast<double>(i), kTop - 6, "middle", kSides[i]);
+  for (std::size_t height = 0; height < 9; ++height) {
+    const double y = kBottom - kHigh * static_cast<double>(height + 1);
+    add_text(svg, kLeft - 8, y + kHigh + 4, "end", fmt::format("{}\u00b0", 10 * height));
+    for (std::size_t azimuth = 0; azimuth < 24; ++azimuth) {
+      const auto count = figures.suns(height, azimuth);
+      const auto colour = colour_of(std::sqrt(static_cast<double>(count) / static_cast<double>(most)), SkyFigure::aod);
+      add_square(svg, kLeft + kWide * static_cast<double>(azimuth), y, kWide - 1, kHigh - 1,
+                 count > 0 ? colour : std::string(kMissing),
+                 fmt::format("azimuth {} to {}, height {} to {} degrees: {} pictures", 15 * azimuth, 15 * azimuth + 15,
+                             10 * height, 10 * height + 10, count));
+    }
+  }
+  add_text(svg, kLeft, kBottom + 28, "start", fmt::format("darkest: {} pictures; pale grey: none", most));
   svg.add("</svg>\n");
   return std::move(svg).text();
 }

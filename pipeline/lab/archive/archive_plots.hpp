@@ -15,6 +15,8 @@ std::string plot_by_day(const ArchiveFigures& figures, SkyFigure figure);
 std::string plot_calendar(const ArchiveFigures& figures, SkyFigure figure);
 // Hours across, months down.
 std::string plot_by_hour_and_month(const ArchiveFigures& figures, SkyFigure figure);
+// How many pictures told the air with the sun at which azimuth (across) and height.
+std::string plot_suns(const ArchiveFigures& figures);
 // A bar for each reason, as share of all pictures; the rarest together.
 std::string plot_refusals(const ArchiveFigures& figures);
 

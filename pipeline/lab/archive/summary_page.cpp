@@ -110,6 +110,11 @@ std::string summary_page(const ArchiveSummary& summary) {
     add_seasons(page, figures);
     page.add("{}", series_sections(summary));
   }
+  if (figures.usable() > 0)
+    page.add(
+        "<h2>Sun positions used</h2>\n<p class=\"quiet\">Pictures whose air is known, by the sun's azimuth and its "
+        "height over the horizon.</p>\n{}",
+        plot_suns(figures));
   page.add("<h2>Refused</h2>\n<p class=\"quiet\">Share of all pictures whose air is not known, by reason.</p>\n{}",
            plot_refusals(figures));
   page.add("</main>\n</body>\n</html>\n");

@@ -87,11 +87,27 @@ TEST_F(Summary, ThePageHoldsItsFiguresAndFetchesNothing) {
               AllOf(HasSubstr("5760 pictures, each exactly once, from 2025-01-01T00:00:00Z to 2025-02-09T23:50:00Z"),
                     HasSubstr("0123456789abcdef"), HasSubstr("could not be read"), Not(HasSubstr("<script")),
                     Not(HasSubstr("http")), Not(HasSubstr("url("))));
-  EXPECT_EQ(count_of(page, "<svg"), 8u);
-  EXPECT_EQ(count_of(page, "role=\"img\" aria-label="), 8u);
+  EXPECT_EQ(count_of(page, "<svg"), 9u);
+  EXPECT_EQ(count_of(page, "role=\"img\" aria-label="), 9u);
   const auto half = 100.0 * static_cast<double>(figures.refusals().front().second) / 5760.0;
   EXPECT_EQ(figures.refusals().front().first, "night");
   EXPECT_THAT(page, HasSubstr(fmt::format("{:.1f} %, night", half)));
+}
+
+TEST(ArchiveFigures, SunsAreCountedWhereTheAirIsKnown) {
+  ArchiveFigures some(0h);
+  const auto at = [&](double zenith_deg, double azimuth_deg, const char* refused) {
+    nlohmann::json record{{"sun_zenith_deg", zenith_deg}, {"sun_azimuth_deg", azimuth_deg}, {"refused", nullptr}};
+    if (refused) record["refused"] = refused;
+    some.add(record);
+  };
+  at(45.0, 181.0, nullptr);
+  at(41.0, 194.0, nullptr);
+  at(45.0, 181.0, "overcast");
+  at(0.0, -1.0, nullptr);
+  EXPECT_EQ(some.suns(4, 12), 2u);
+  EXPECT_EQ(some.suns(8, 23), 1u);
+  EXPECT_THAT(plot_suns(some), HasSubstr("azimuth 180 to 195, height 40 to 50 degrees: 2 pictures"));
 }
 
 // Days that are overcast have no aerosol, and say so.
