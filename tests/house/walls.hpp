@@ -81,7 +81,7 @@ inline const Walls kMayInclude = {
     {"pipeline/show/stage", {"pipeline/show/scene"}},
     {"pipeline/lab", {"pipeline", "pipeline/machine", "pipeline/show", "pipeline/site"}},
     {"pipeline/lab/archive", {}},
-    {"pipeline/lab/bench", {"pipeline/lab/sky"}},
+    {"pipeline/lab/bench", {"pipeline/lab/photographs", "pipeline/lab/sky"}},
     {"pipeline/lab/comparison", {}},
     {"pipeline/lab/haze", {"pipeline/lab/photographs"}},
     {"pipeline/lab/look", {}},

@@ -18,6 +18,7 @@
 #include "estimator/sky/sky_model.hpp"
 #include "estimator/turbidity/solver.hpp"
 #include "estimator/turbidity/turbidity.hpp"
+#include "pipeline/lab/bench/drawn_sky.hpp"
 
 namespace kasumi {
 
@@ -40,29 +41,6 @@ std::vector<SkySample> bench_samples(int count, Turbidity turbidity) {
                        static_cast<float>(log_luminance), 0.004f, 0.002f});
   }
   return samples;
-}
-
-// A sky of Preetham's with its sun's surroundings, as an upright fisheye of `side` pixels with 8 bits sees it.
-Image<Rgb8> bench_sky(int side, Camera& camera, const SunDirection& sun) {
-  camera.name = "sky";
-  camera.width = camera.height = side;
-  const double half = from_degrees(92.0).value, middle = 0.5 * (side - 1);
-  camera.lens = equidistant_lens({middle, middle}, 0.5 * side / half, {half});
-  camera.to_world = camera_to_world(from_degrees(180.0), from_degrees(90.0), {0.0});
-  const SkyModel model({3.0}, sun);
-  const glm::dmat3 to_light = glm::inverse(camera.light_to_xyz());
-  Image<Rgb8> pixels(side, side);
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const auto view = camera.direction_at({x, y});
-      if (!view || view->z <= 0.0) continue;
-      const glm::dvec3 light = 0.1 * (to_light * model.relative_xyz(*view));
-      const glm::dvec3 level = 255.0 * camera.response.to_encoded(glm::clamp(light, glm::dvec3{0.0}, glm::dvec3{1.0}));
-      pixels.at(x, y) = {static_cast<std::uint8_t>(std::lround(level.r)),
-                         static_cast<std::uint8_t>(std::lround(level.g)),
-                         static_cast<std::uint8_t>(std::lround(level.b))};
-    }
-  return pixels;
 }
 
 }  // namespace
@@ -115,7 +93,7 @@ std::vector<BenchRow> bench_turbidity() {
 std::vector<BenchRow> bench_sky_answer() {
   const SunDirection sun = direction_from(from_degrees(58.4), from_degrees(180.0));
   Camera camera;
-  const Image<Rgb8> pixels = bench_sky(480, camera, sun);
+  const Image<Rgb8> pixels = drawn_sky(480, camera, sun);
   SkyObserver observer(camera);
   EstimateOptions every, papers;
   every.sky.every_model = true;

@@ -33,5 +33,7 @@ std::vector<BenchRow> bench_turbidity();
 // From a sky camera's picture to its air.
 std::vector<BenchRow> bench_sky_answer();
 std::vector<BenchRow> bench_air();
+// Pictures of an archive against the decoding of their JPEGs. Error: io (no room for temporary files).
+Result<std::vector<BenchRow>> bench_archive();
 
 }  // namespace kasumi

@@ -32,6 +32,7 @@ struct Part {
 constexpr Part kParts[] = {
     {"turbidity", +[]() -> Result<std::vector<BenchRow>> { return bench_turbidity(); }},
     {"sky", +[]() -> Result<std::vector<BenchRow>> { return bench_sky_answer(); }},
+    {"archive", +[] { return bench_archive(); }},
     {"air", +[]() -> Result<std::vector<BenchRow>> { return bench_air(); }},
     {"composite", +[] { return bench_gles(); }},
     {"layer", +[] { return bench_layer(); }},
