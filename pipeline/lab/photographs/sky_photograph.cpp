@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "base/earth.hpp"
+#include "calib/light/merged_exposures.hpp"
 #include "calib/mask/square_pixels.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
-#include "pipeline/lab/photographs/merged_exposures.hpp"
 
 namespace kasumi {
 

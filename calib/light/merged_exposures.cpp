@@ -1,4 +1,4 @@
-#include "pipeline/lab/photographs/merged_exposures.hpp"
+#include "calib/light/merged_exposures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,44 +13,45 @@ namespace kasumi {
 namespace {
 
 constexpr double kLeastRatio = 1.25;
-constexpr double kMostScatter = 0.2;  // of ln of the ratio over the pixels: more than noise and JPEG make
-constexpr double kDark = 0.04;        // encoded: below, the last bits and the black level count
+constexpr double kMostRatioScatter = 0.2;  // of ln of the ratio over the pixels: more than noise and JPEG make
+constexpr double kTooDarkToMerge = 0.04;   // encoded: below, the last bits and the black level count
 constexpr double kNearlyFull = 0.9;   // encoded: from there to kSaturated the weight fades, so that no edge is left
-constexpr double kSkyFull = 0.9;      // encoded: where the brightest of the sky comes to lie
+constexpr double kSkyFull = 0.9;      // encoded: where the brightest_of of the sky comes to lie
 constexpr double kBrightest = 0.995;  // share of the pixels that are darker: the sun and its glow are left out
-constexpr std::size_t kSampled = 20'000, kLeastOverlap = 200;
+constexpr std::size_t kMergeSamples = 20'000, kLeastMergeOverlap = 200;
 
-double brightest(const glm::dvec3& value) {
+double brightest_of(const glm::dvec3& value) {
   return std::max({value.r, value.g, value.b});
 }
-double darkest(const glm::dvec3& value) {
+double darkest_of(const glm::dvec3& value) {
   return std::min({value.r, value.g, value.b});
 }
 
 // ln of the light of `longer` to that of `shorter`; empty: too few pixels show both, or they disagree.
 std::optional<double> log_ratio(const Image<glm::vec3>& shorter, const Image<glm::vec3>& longer,
                                 const Response& response) {
-  const std::size_t step = std::max<std::size_t>(1, shorter.elements().size() / kSampled);
+  const std::size_t step = std::max<std::size_t>(1, shorter.elements().size() / kMergeSamples);
   std::vector<double> ratios;
   for (std::size_t i = 0; i < shorter.elements().size(); i += step) {
     const glm::dvec3 low(shorter.elements()[i]), high(longer.elements()[i]);
-    if (darkest(low) < kDark || darkest(high) < kDark || brightest(low) > kSaturated || brightest(high) > kSaturated)
+    if (darkest_of(low) < kTooDarkToMerge || darkest_of(high) < kTooDarkToMerge || brightest_of(low) > kSaturated ||
+        brightest_of(high) > kSaturated)
       continue;
     ratios.push_back(std::log(response.to_light(high).g / response.to_light(low).g));
   }
-  if (ratios.size() < kLeastOverlap) return std::nullopt;
+  if (ratios.size() < kLeastMergeOverlap) return std::nullopt;
   const double middle = median(ratios);
   for (auto& ratio : ratios) ratio = std::abs(ratio - middle);
-  return kSigmaOverMedianSize * median(std::move(ratios)) <= kMostScatter ? std::optional(middle) : std::nullopt;
+  return kSigmaOverMedianSize * median(std::move(ratios)) <= kMostRatioScatter ? std::optional(middle) : std::nullopt;
 }
 
-double weight_of(const glm::dvec3& encoded, double exposure) {
-  const double full = std::clamp((kSaturated - brightest(encoded)) / (kSaturated - kNearlyFull), 0.0, 1.0);
-  return exposure * full * (darkest(encoded) < kDark ? 0.01 : 1.0);
+double exposure_weight(const glm::dvec3& encoded, double exposure) {
+  const double full = std::clamp((kSaturated - brightest_of(encoded)) / (kSaturated - kNearlyFull), 0.0, 1.0);
+  return exposure * full * (darkest_of(encoded) < kTooDarkToMerge ? 0.01 : 1.0);
 }
 
 double mean_green(const Image<glm::vec3>& picture) {
-  const std::size_t step = std::max<std::size_t>(1, picture.elements().size() / kSampled);
+  const std::size_t step = std::max<std::size_t>(1, picture.elements().size() / kMergeSamples);
   double sum = 0.0;
   for (std::size_t i = 0; i < picture.elements().size(); i += step) sum += static_cast<double>(picture.elements()[i].g);
   return sum;
@@ -90,7 +91,7 @@ std::optional<MergedExposures> merge_exposures(const std::vector<Photograph>& ex
     double weights = 1e-6;
     for (std::size_t k = 0; k < exposures.size(); ++k) {
       const glm::dvec3 encoded(exposures[k].encoded.elements()[i]);
-      const double weight = weight_of(encoded, merged.ratios[k]);
+      const double weight = exposure_weight(encoded, merged.ratios[k]);
       sum += weight / merged.ratios[k] * response.to_light(encoded);
       weights += weight;
     }
@@ -98,9 +99,9 @@ std::optional<MergedExposures> merge_exposures(const std::vector<Photograph>& ex
   }
 
   std::vector<double> sampled;
-  const std::size_t step = std::max<std::size_t>(1, light.elements().size() / kSampled);
+  const std::size_t step = std::max<std::size_t>(1, light.elements().size() / kMergeSamples);
   for (std::size_t i = 0; i < light.elements().size(); i += step)
-    sampled.push_back(brightest(glm::dvec3(light.elements()[i])));
+    sampled.push_back(brightest_of(glm::dvec3(light.elements()[i])));
   const auto at = sampled.begin() + static_cast<std::ptrdiff_t>(kBrightest * static_cast<double>(sampled.size() - 1));
   std::ranges::nth_element(sampled, at);
   const double gain =
