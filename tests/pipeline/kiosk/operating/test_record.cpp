@@ -13,6 +13,7 @@
 #include "gles/display/headless_display.hpp"
 #include "pipeline/lab/recording/record.hpp"
 #include "pipeline/lab/recording/record_screen.hpp"
+#include "pipeline/lab/recording/recording.hpp"
 #include "pipeline/lab/recording/replay.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
@@ -197,6 +198,18 @@ TEST(Record, ARecordingIsNotOverwritten) {
   request.length = 300ms;
   ASSERT_TRUE(record_kiosk(request));
   EXPECT_THAT(record_kiosk(request), FailsAs(FaultKind::bad_input, HasSubstr("already contains a recording")));
+}
+
+// Visitors may be seen in it.
+TEST(Record, NoOtherAccountReadsARecording) {
+  const auto folder = operating_folder("closed");
+  const auto config = write_kiosk(folder);
+  std::filesystem::create_directories(folder / "open");
+  std::filesystem::permissions(folder / "open", std::filesystem::perms(0777));
+  for (const char* name : {"new", "open"}) {
+    ASSERT_TRUE(Recording::create(config, folder / name, Utc{}, {}));
+    EXPECT_EQ(std::filesystem::status(folder / name).permissions(), std::filesystem::perms(0700)) << name;
+  }
 }
 
 // A separate file system, so that it can be filled.
