@@ -111,8 +111,14 @@ Result<const tinygltf::Accessor*> find(const tinygltf::Model& gltf, int index, s
   return &accessor;
 }
 
-Result<> apply_sparse(const tinygltf::Model& gltf, const tinygltf::Accessor& accessor, AccessorFloats& floats,
-                      const std::string& what) {
+// Which elements a sparse accessor replaces, and by what.
+struct SparseEntries {
+  std::vector<std::uint32_t> places;
+  Elements values;
+};
+
+Result<SparseEntries> sparse_entries(const tinygltf::Model& gltf, const tinygltf::Accessor& accessor, int components,
+                                     const std::string& what) {
   const auto& sparse = accessor.sparse;
   if (sparse.count < 0 || static_cast<std::size_t>(sparse.count) > accessor.count || sparse.indices.byteOffset < 0 ||
       sparse.values.byteOffset < 0)
@@ -123,22 +129,15 @@ Result<> apply_sparse(const tinygltf::Model& gltf, const tinygltf::Accessor& acc
       elements_in(gltf, sparse.indices.bufferView, static_cast<std::size_t>(sparse.indices.byteOffset), count, 1,
                   sparse.indices.componentType, false, what + ", sparse indices");
   if (!index_elements) return fail(index_elements.error());
-  const auto places = whole_numbers(*index_elements, what + ", sparse indices");
+  auto places = whole_numbers(*index_elements, what + ", sparse indices");
   if (!places) return fail(places.error());
+  for (const std::uint32_t place : *places)
+    if (place >= accessor.count)
+      return fail(FaultKind::bad_input, "{}: sparse entry for element {}: there are {}", what, place, accessor.count);
   const auto values = elements_in(gltf, sparse.values.bufferView, static_cast<std::size_t>(sparse.values.byteOffset),
-                                  count, floats.components, accessor.componentType, false, what + ", sparse values");
+                                  count, components, accessor.componentType, false, what + ", sparse values");
   if (!values) return fail(values.error());
-  const auto width = static_cast<std::size_t>(floats.components);
-  const std::size_t bytes = component_bytes(accessor.componentType);
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t place = (*places)[i];
-    if (place >= floats.count)
-      return fail(FaultKind::bad_input, "{}: sparse entry for element {}: there are {}", what, place, floats.count);
-    for (std::size_t c = 0; c < width; ++c)
-      floats.values[place * width + c] =
-          as_float(values->data + i * values->stride + c * bytes, accessor.componentType, accessor.normalized);
-  }
-  return {};
+  return SparseEntries{std::move(*places), *values};
 }
 
 }  // namespace
@@ -168,8 +167,13 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
         floats.values[i * width + c] =
             as_float(elements->data + i * elements->stride + c * bytes, accessor.componentType, accessor.normalized);
   }
-  if (accessor.sparse.isSparse)
-    if (auto applied = apply_sparse(gltf, accessor, floats, named); !applied) return fail(applied.error());
+  if (!accessor.sparse.isSparse) return floats;
+  const auto sparse = sparse_entries(gltf, accessor, floats.components, named);
+  if (!sparse) return fail(sparse.error());
+  for (std::size_t i = 0; i < sparse->places.size(); ++i)
+    for (std::size_t c = 0; c < width; ++c)
+      floats.values[sparse->places[i] * width + c] = as_float(
+          sparse->values.data + i * sparse->values.stride + c * bytes, accessor.componentType, accessor.normalized);
   return floats;
 }
 
@@ -179,12 +183,18 @@ Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int
   const auto found = find(gltf, index, limit, named);
   if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
-  if (accessor.sparse.isSparse) return fail(FaultKind::bad_input, "{}: sparse indices are not read", named);
   if (component_count(accessor.type) != 1) return fail(FaultKind::bad_input, "{}: indices must be scalars", named);
   const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, 1,
                                     accessor.componentType, true, named);
   if (!elements) return fail(elements.error());
-  return whole_numbers(*elements, named);
+  auto indices = whole_numbers(*elements, named);
+  if (!indices || !accessor.sparse.isSparse) return indices;
+  const auto sparse = sparse_entries(gltf, accessor, 1, named);
+  if (!sparse) return fail(sparse.error());
+  const auto values = whole_numbers(sparse->values, named + ", sparse values");
+  if (!values) return fail(values.error());
+  for (std::size_t i = 0; i < values->size(); ++i) (*indices)[sparse->places[i]] = (*values)[i];
+  return indices;
 }
 
 }  // namespace kasumi

@@ -52,7 +52,12 @@ std::optional<ModelBounds> written_box(const tinygltf::Node& node) {
 class SceneReader {
  public:
   SceneReader(tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene, Model& model)
-      : gltf_(gltf), name_(std::move(name)), limits_(limits), wanted_scene_(scene), model_(model) {}
+      : gltf_(gltf),
+        name_(std::move(name)),
+        limits_(limits),
+        wanted_scene_(scene),
+        model_(model),
+        skins_(gltf, limits) {}
 
   Result<> read() {
     auto surfaces = read_surfaces(gltf_, name_, limits_, model_.notes);
@@ -185,8 +190,8 @@ class SceneReader {
   // What moves a mesh's vertices.
   struct Stand {
     glm::dmat4 transform{1.0};
-    std::vector<glm::dmat4> joints;  // none: the transform alone
-    std::vector<double> weights;     // of morph targets
+    const std::vector<glm::dmat4>* joints = nullptr;  // none: the transform alone
+    std::vector<double> weights;                      // of morph targets
   };
 
   Result<> read_node(const tinygltf::Node& node, const glm::dmat4& whole, std::vector<ModelPart>& into,
@@ -198,9 +203,9 @@ class SceneReader {
     const auto& own = gltf_.meshes[static_cast<std::size_t>(node.mesh)].weights;
     stand.weights = node.weights.empty() ? own : node.weights;
     if (node.skin >= 0) {
-      auto joints = joints_of(gltf_, node.skin, limits_, what);
+      const auto joints = skins_.joints(node.skin, what);
       if (!joints) return fail(joints.error());
-      stand.joints = std::move(*joints);
+      stand.joints = *joints;
     }
     const auto copies = instances_of(gltf_, node, limits_, what);
     if (!copies) return fail(copies.error());
@@ -250,9 +255,9 @@ class SceneReader {
       if (const std::size_t replaced = mend_normals(part); replaced > 0)
         note("{} invalid normals replaced by those of their faces", replaced);
     }
-    const bool skinned = !stand.joints.empty() && primitive.attributes.contains("JOINTS_0");
+    const bool skinned = stand.joints != nullptr && primitive.attributes.contains("JOINTS_0");
     auto placed =
-        skinned ? pose(gltf_, primitive, stand.joints, part, limits_, what) : place(part, stand.transform, what);
+        skinned ? pose(gltf_, primitive, *stand.joints, part, limits_, what) : place(part, stand.transform, what);
     if (!placed) return placed;
     if (!with_normals) give_flat_normals(part);
     if (const ModelMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
@@ -369,6 +374,7 @@ class SceneReader {
   const ModelLimits& limits_;
   std::string_view wanted_scene_;
   Model& model_;
+  Skins skins_;
   std::vector<Surfaces::Placements> placements_;
   int plain_ground_ = -1;
   bool points_ = false;

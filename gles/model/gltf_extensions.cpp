@@ -39,7 +39,7 @@ ExtensionNote extension_note(std::string_view extension) {
       Row{"KHR_materials_dispersion", without, "glass has no rainbow"},
       Row{"KHR_materials_iridescence", without, "no colours of thin films"},
       Row{"KHR_materials_sheen", without, "cloth lacks its sheen"},
-      Row{"KHR_materials_variants", without, "the first variant is shown"},
+      Row{"KHR_materials_variants", without, "materials are shown as they are without a variant"},
       Row{"KHR_materials_volume", without, "thick glass has no colour of its own"},
       Row{"KHR_technique_webgl", without, "its own shaders are not used"},
       Row{"KHR_techniques_webgl", without, "its own shaders are not used"},

@@ -16,7 +16,9 @@ struct Folder {
   std::size_t largest_file;
   fs::path given;                          // as it was named
   std::vector<fs::path>* files;            // that were read
+  std::vector<std::string>* notes;         // on the model
   FaultKind fault = FaultKind::bad_input;  // io: a file could not be read
+  std::string missing{};                   // the first file that is not there, and what was expected
 
   bool holds(const std::string& name) const {
     std::error_code error;
@@ -26,12 +28,54 @@ struct Folder {
   }
 };
 
-bool file_exists(const std::string& name, void* folder) {
-  return static_cast<const Folder*>(folder)->holds(name);
+std::string without_case(std::string name) {
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
 }
 
-std::string as_written(const std::string& name, void*) {
-  return name;
+// The name as the folder below has it, where Windows would find it, too: any case, backslashes. Empty: it is not there.
+fs::path other_spelling(const fs::path& root, std::string name) {
+  std::ranges::replace(name, '\\', '/');
+  fs::path at = root;
+  for (const fs::path& part : fs::path(name).lexically_normal().lexically_relative(root)) {
+    if (part == "..") return {};
+    std::error_code error;
+    if (fs::exists(at / part, error)) {
+      at /= part;
+      continue;
+    }
+    const std::string wanted = without_case(part.string());
+    auto entry = fs::directory_iterator(at, error);
+    while (!error && entry != fs::end(entry) && without_case(entry->path().filename().string()) != wanted)
+      entry.increment(error);
+    if (error || entry == fs::end(entry)) return {};
+    at = entry->path();
+  }
+  return at;
+}
+
+std::string found_name(const std::string& name, void* folder) {
+  const auto& allowed = *static_cast<const Folder*>(folder);
+  if (allowed.holds(name)) return name;
+  const fs::path other = other_spelling(allowed.root, name);
+  if (other.empty() || !allowed.holds(other.string())) return name;
+  allowed.notes->push_back(fmt::format("{}: read instead of {}, which is not there", other.string(),
+                                       name.substr(allowed.root.string().size() + 1)));
+  return other.string();
+}
+
+bool file_exists(const std::string& name, void* folder) {
+  auto& allowed = *static_cast<Folder*>(folder);
+  if (allowed.holds(name)) return true;
+  const std::string below = allowed.root.string() + "/";
+  if (!allowed.missing.empty() || !name.starts_with(below)) return false;
+  std::error_code error;
+  const std::string uri = name.substr(below.size());
+  const char* why = uri.find("://") != std::string::npos ? "lies elsewhere: expected a file in the model's folder"
+                    : fs::exists(name, error)            ? "lies outside of the model's folder: expected it there"
+                                                         : "is missing: expected it in the model's folder";
+  allowed.missing = fmt::format("{}, which it needs, {}", uri, why);
+  return false;
 }
 
 bool read_whole_file(std::vector<unsigned char>* bytes, std::string* error, const std::string& name, void* folder) {
@@ -118,7 +162,7 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
 
   std::error_code folder_error;
   const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  Folder folder{fs::canonical(parent, folder_error), limits.file_bytes, parent, &files};
+  Folder folder{fs::canonical(parent, folder_error), limits.file_bytes, parent, &files, &notes};
   if (folder_error) return fail(FaultKind::io, "{}: {}", parent.string(), folder_error.message());
 
   tinygltf::Model gltf;
@@ -126,7 +170,7 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
   bool parsed = false;
   try {
     tinygltf::TinyGLTF parser;
-    parser.SetFsCallbacks({file_exists, as_written, read_whole_file, refuse_writing, &folder});
+    parser.SetFsCallbacks({file_exists, found_name, read_whole_file, refuse_writing, &folder});
     parser.SetImageLoader(keep_picture, nullptr);
     const auto length = static_cast<unsigned>(bytes.size());
     const auto* text = reinterpret_cast<const char*>(bytes.data());
@@ -135,6 +179,8 @@ Result<tinygltf::Model> parse_gltf(const fs::path& path, const ModelLimits& limi
   } catch (const std::exception& thrown) {
     error += thrown.what();
   }
+  if (!parsed && error.find("File not found") != std::string::npos && !folder.missing.empty())
+    return fail(FaultKind::bad_input, "{}: {}", name, folder.missing);
   if (!parsed) return fail(folder.fault, "{}: {}", name, one_line(error.empty() ? warning : error));
   if (!warning.empty()) notes.push_back(fmt::format("{}: {}", name, one_line(warning)));
   return gltf;

@@ -53,7 +53,9 @@ Result<Image<glm::u8vec4>> decode_picture(std::span<const std::uint8_t> file, in
                                     : (*models)->ktx2_picture(file, width, height);
   }
   const auto decoded = header->format == "PNG" ? decode_png(file) : decode_jpeg_file(file);
-  if (!decoded) return fail(decoded.error());
+  if (!decoded)  // four colours are the file's fault
+    return fail(decoded.error().kind == FaultKind::unsupported ? FaultKind::bad_input : decoded.error().kind, "{}",
+                decoded.error().message);
   const bool grey = decoded->channels == 1;
   Image<glm::u8vec4> image(decoded->width, decoded->height);
   std::size_t at = 0;

@@ -39,20 +39,6 @@ Result<AccessorFloats> of_each_vertex(const tinygltf::Model& gltf, int accessor,
   return floats;
 }
 
-// The node's place in the scene. `parents`: of each node, -1: none.
-Result<glm::dmat4> global_transform(const tinygltf::Model& gltf, int node, const std::vector<int>& parents,
-                                    const std::string& what) {
-  glm::dmat4 whole{1.0};
-  std::size_t steps = 0;
-  for (int at = node; at >= 0; at = parents[static_cast<std::size_t>(at)]) {
-    if (++steps > parents.size()) return fail(FaultKind::bad_input, "{}: node {} is its own ancestor", what, node);
-    const auto local = transform_of(gltf.nodes[static_cast<std::size_t>(at)], fmt::format("{}: node {}", what, at));
-    if (!local) return fail(local.error());
-    whole = *local * whole;
-  }
-  return whole;
-}
-
 // Joints and weights of each vertex, one set of four after the other.
 struct Bones {
   std::vector<AccessorFloats> joints, weights;
@@ -157,41 +143,67 @@ Result<> morph(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive
   return {};
 }
 
-Result<std::vector<glm::dmat4>> joints_of(const tinygltf::Model& gltf, int skin, const ModelLimits& limits,
-                                          const std::string& what) {
-  if (skin < 0 || static_cast<std::size_t>(skin) >= gltf.skins.size())
-    return fail(FaultKind::bad_input, "{}: skin {}: there are {}", what, skin, gltf.skins.size());
-  const tinygltf::Skin& from = gltf.skins[static_cast<std::size_t>(skin)];
+void Skins::find_parents() {
+  places_.resize(gltf_.nodes.size());
+  parents_.assign(gltf_.nodes.size(), -1);
+  for (std::size_t i = 0; i < gltf_.nodes.size(); ++i)
+    for (const int child : gltf_.nodes[i].children)
+      if (child >= 0 && static_cast<std::size_t>(child) < parents_.size())
+        parents_[static_cast<std::size_t>(child)] = static_cast<int>(i);
+}
+
+Result<glm::dmat4> Skins::place_of(int node, const std::string& what) {
+  std::vector<int> above;  // itself and its ancestors whose places are not known yet
+  glm::dmat4 whole{1.0};
+  for (int at = node; at >= 0; at = parents_[static_cast<std::size_t>(at)]) {
+    if (const auto& known = places_[static_cast<std::size_t>(at)]) {
+      whole = *known;
+      break;
+    }
+    above.push_back(at);
+    if (above.size() > parents_.size())
+      return fail(FaultKind::bad_input, "{}: node {} is its own ancestor", what, node);
+  }
+  for (; !above.empty(); above.pop_back()) {
+    const auto at = static_cast<std::size_t>(above.back());
+    const auto local = transform_of(gltf_.nodes[at], fmt::format("{}: node {}", what, at));
+    if (!local) return fail(local.error());
+    places_[at] = whole = whole * *local;
+  }
+  return whole;
+}
+
+Result<const std::vector<glm::dmat4>*> Skins::joints(int skin, const std::string& what) {
+  if (const auto known = known_.find(skin); known != known_.end()) return &known->second;
+  if (skin < 0 || static_cast<std::size_t>(skin) >= gltf_.skins.size())
+    return fail(FaultKind::bad_input, "{}: skin {}: there are {}", what, skin, gltf_.skins.size());
+  const tinygltf::Skin& from = gltf_.skins[static_cast<std::size_t>(skin)];
   const std::string named = fmt::format("{}: skin {}", what, skin);
-  if (from.joints.empty() || from.joints.size() > limits.nodes)
+  if (from.joints.empty() || from.joints.size() > limits_.nodes)
     return fail(FaultKind::bad_input, "{}: {} joints", named, from.joints.size());
   AccessorFloats inverse;
   if (from.inverseBindMatrices >= 0) {
-    auto read = read_floats(gltf, from.inverseBindMatrices, {16}, limits.nodes, named + ": inverse bind matrices");
+    auto read = read_floats(gltf_, from.inverseBindMatrices, {16}, limits_.nodes, named + ": inverse bind matrices");
     if (!read) return fail(read.error());
     inverse = std::move(*read);
     if (inverse.count < from.joints.size())
       return fail(FaultKind::bad_input, "{}: {} inverse bind matrices for {} joints", named, inverse.count,
                   from.joints.size());
   }
-  std::vector<int> parents(gltf.nodes.size(), -1);
-  for (std::size_t i = 0; i < gltf.nodes.size(); ++i)
-    for (const int child : gltf.nodes[i].children)
-      if (child >= 0 && static_cast<std::size_t>(child) < parents.size())
-        parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
+  if (parents_.empty()) find_parents();
   std::vector<glm::dmat4> joints;
   for (std::size_t j = 0; j < from.joints.size(); ++j) {
     const int node = from.joints[j];
-    if (node < 0 || static_cast<std::size_t>(node) >= gltf.nodes.size())
-      return fail(FaultKind::bad_input, "{}: joint {} is node {}: there are {}", named, j, node, gltf.nodes.size());
-    const auto whole = global_transform(gltf, node, parents, named);
+    if (node < 0 || static_cast<std::size_t>(node) >= gltf_.nodes.size())
+      return fail(FaultKind::bad_input, "{}: joint {} is node {}: there are {}", named, j, node, gltf_.nodes.size());
+    const auto whole = place_of(node, named);
     if (!whole) return fail(whole.error());
     glm::dmat4 unbind{1.0};
     if (inverse.count > 0)
       for (int i = 0; i < 16; ++i) unbind[i / 4][i % 4] = inverse.values[16 * j + static_cast<std::size_t>(i)];
     joints.push_back(*whole * unbind);
   }
-  return joints;
+  return &(known_[skin] = std::move(joints));
 }
 
 Result<> pose(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& joints,

@@ -2,6 +2,8 @@
 // (glTF 2.0, 3.5 and 3.7.3). For this room's glTF sources only.
 #pragma once
 
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,10 +37,25 @@ class VertexTransform {
 Result<> morph(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                ModelPart& part, const ModelLimits& limits, const std::string& what);
 
-// A skin's joints, as they move its vertices: their place in the scene times the inverse bind matrices. Errors
-// (bad_input): no such skin or joint, joints that are their own ancestors, matrices of another number.
-Result<std::vector<glm::dmat4>> joints_of(const tinygltf::Model& gltf, int skin, const ModelLimits& limits,
-                                          const std::string& what);
+// A file's skins. Each is worked out once, and so is each node's place, however many meshes and joints share them.
+class Skins {
+ public:
+  Skins(const tinygltf::Model& gltf, const ModelLimits& limits) : gltf_(gltf), limits_(limits) {}
+
+  // A skin's joints, as they move its vertices: their place in the scene times the inverse bind matrices. Errors
+  // (bad_input): no such skin or joint, joints that are their own ancestors, matrices of another number.
+  Result<const std::vector<glm::dmat4>*> joints(int skin, const std::string& what);
+
+ private:
+  void find_parents();
+  Result<glm::dmat4> place_of(int node, const std::string& what);
+
+  const tinygltf::Model& gltf_;
+  const ModelLimits& limits_;
+  std::vector<int> parents_;                       // of each node; -1: none
+  std::vector<std::optional<glm::dmat4>> places_;  // of each node in the scene, as far as they were needed
+  std::map<int, std::vector<glm::dmat4>> known_;   // by skin
+};
 
 // Moves each vertex by its joints (JOINTS_n, WEIGHTS_n), and turns triangles that are mirrored thereby. Errors
 // (bad_input): accessors, joints that are not there, places as of VertexTransform.

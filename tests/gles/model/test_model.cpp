@@ -162,6 +162,22 @@ TEST(GltfModel, SparseAccessorsReplaceElements) {
   EXPECT_EQ(all.at(1), glm::vec3(1, 0, 0));
 }
 
+TEST(GltfModel, SparseIndicesReplaceIndices) {
+  GltfFile file = square_file();
+  auto& accessors = file.json["accessors"];
+  const auto view = [&](int accessor) { return accessors[static_cast<std::size_t>(accessor)]["bufferView"]; };
+  const int first = file.add_shorts({0, 3, 2, 0, 2, 2}), places = file.add_bytes({1, 5});
+  const int values = file.add_shorts({1, 3});
+  auto& indices = accessors[static_cast<std::size_t>(first)];
+  indices["sparse"] = {{"count", 2},
+                       {"indices", {{"bufferView", view(places)}, {"componentType", 5121}}},
+                       {"values", {{"bufferView", view(values)}}}};
+  file.primitive()["indices"] = first;
+  EXPECT_EQ(corners(loaded(file.read("sparse-indices"))), corners(loaded(square_file().read("list"))));
+  indices["sparse"]["count"] = 7;
+  EXPECT_THAT(file.read("sparse-indices").error().message, HasSubstr("7 sparse entries for 6 elements"));
+}
+
 TEST(GltfModel, MaterialsAndTheirTexturesAreRead) {
   GltfFile file = square_file();
   file.add_picture(png(3, 2, {30, 20, 10, 128}));
@@ -236,12 +252,33 @@ TEST(GltfModel, ReferencedFilesMustLieInTheModelsFolder) {
     return read_gltf(folder / "model.gltf");
   };
   EXPECT_EQ(loaded(with("parts/a%20b.bin")).triangle_count(), 2u);
-  for (const std::string& uri :
-       {std::string("../outside.bin"), (model_folder() / "outside.bin").string(), std::string("link.bin"),
-        std::string("http://example.org/a.bin"), std::string("file:///etc/passwd"), std::string("missing.bin")}) {
+  const std::string outside = (model_folder() / "outside.bin").string();
+  for (const auto& [uri, why] : std::map<std::string, std::string>{{"../outside.bin", "lies outside"},
+                                                                   {outside, "is missing"},
+                                                                   {"link.bin", "lies outside"},
+                                                                   {"http://example.org/a.bin", "lies elsewhere"},
+                                                                   {"file:///etc/passwd", "lies elsewhere"},
+                                                                   {"missing.bin", "is missing"}}) {
     const auto refused = with(uri);
     ASSERT_FALSE(refused) << uri;
-    EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("model.gltf"), HasSubstr("not found"))) << uri;
+    EXPECT_THAT(refused.error().message,
+                testing::AllOf(HasSubstr("model.gltf: "), HasSubstr(uri + ", which it needs, " + why)));
+  }
+}
+
+TEST(GltfModel, FilesAreFoundAsWindowsFindsThem) {
+  GltfFile file = square_file();
+  const auto folder = model_folder() / "windows";
+  std::filesystem::create_directories(folder / "Parts");
+  ASSERT_TRUE(write_file(folder / "Parts" / "Square.bin", file.buffer));
+  for (const std::string uri : {"Parts\\Square.bin", "parts/SQUARE.BIN", ".\\parts\\square.bin"}) {
+    nlohmann::json json = file.json;
+    json["buffers"] = nlohmann::json::array({{{"byteLength", file.buffer.size()}, {"uri", uri}}});
+    ASSERT_TRUE(write_text_file(folder / "model.gltf", json.dump()));
+    const Model model = loaded(read_gltf(folder / "model.gltf"));
+    EXPECT_EQ(model.triangle_count(), 2u);
+    EXPECT_THAT(model.notes, testing::ElementsAre(HasSubstr("Parts/Square.bin: read instead of ")));
+    EXPECT_THAT(model.files, testing::Contains(folder / "Parts" / "Square.bin"));
   }
 }
 

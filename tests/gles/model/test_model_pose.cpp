@@ -1,4 +1,6 @@
 // Where a model's vertices stand: skins, morph targets, copies, what is invisible.
+#include <chrono>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,6 +74,36 @@ TEST(ModelPose, FalseSkinsAreRefusedByName) {
   ring.json["nodes"][2]["children"] = {1};
   ring.json["scenes"][0]["nodes"] = {0};
   EXPECT_THAT(ring.read("skin").error().message, HasSubstr("is its own ancestor"));
+}
+
+// Each joint hangs from the one before, and many meshes share the skin: what is read is read once.
+TEST(ModelPose, ManyJointsAndManyMeshesOfOneSkinAreReadInLittleTime) {
+  constexpr int kJoints = 20'000, kMeshes = 2'000;
+  GltfFile file = square_file();
+  auto& attributes = file.primitive()["attributes"];
+  const std::vector<std::uint16_t> joints{kJoints - 1, 0, 0, 0, kJoints - 1, 0, 0, 0,
+                                          kJoints - 1, 0, 0, 0, kJoints - 1, 0, 0, 0};
+  attributes["JOINTS_0"] = file.add(joints.data(), 2 * joints.size(), 5123, "VEC4", 4);
+  attributes["WEIGHTS_0"] = file.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0}, 4);
+  auto nodes = nlohmann::json::array(), list = nlohmann::json::array(), roots = nlohmann::json::array({0});
+  for (int i = 0; i < kJoints; ++i) {
+    nodes.push_back({{"translation", {0, 0, i % 2 == 0 ? 1 : -1}}});
+    if (i + 1 < kJoints) nodes.back()["children"] = {i + 1};
+    list.push_back(i);
+  }
+  for (int i = 0; i < kMeshes; ++i) {
+    nodes.push_back({{"mesh", 0}, {"skin", 0}});
+    roots.push_back(kJoints + i);
+  }
+  file.json["nodes"] = nodes;
+  file.json["scenes"][0]["nodes"] = roots;
+  file.json["skins"] = {{{"joints", list}}};
+  const auto began = std::chrono::steady_clock::now();
+  const Model model = loaded(file.read("joints"));
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
+  EXPECT_EQ(model.triangle_count(), 2u * kMeshes);
+  EXPECT_EQ(model.bounds().lowest, glm::vec3(0, 0, 0));
+  EXPECT_EQ(model.bounds().highest, glm::vec3(1, 1, 0));
 }
 
 // One target that lifts the square by 3, another that doubles it.
