@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -20,6 +21,7 @@ constexpr const char* kSplats =
     "Gaussian splats, which have no surfaces that light could fall on: deliver the mesh that was made of the same "
     "photographs";
 constexpr double kLargest_m = 300.0;
+constexpr double kFarthest_m = 1000.0;  // from its origin; a site is smaller
 
 struct Faces {
   glm::dvec3 sum{0.0};    // of all triangles: area times normal
@@ -131,6 +133,12 @@ ModelFacts facts_of(const Model& model, UpAxis up) {
                     "centimetre, [object] "
                     "scale = 0.01, the millimetre 0.001, the foot 0.3048",
                     largest));
+  const double away = glm::length(glm::dvec3(box.lowest + box.highest) / 2.0);
+  if (away > kFarthest_m && away > 10.0 * largest)
+    facts.doubts.push_back(
+        fmt::format("its middle lies {:.1f} km from its origin, as a map's or the globe's coordinates have it: numbers "
+                    "so large are exact to {:.2g} m. Move it to the origin first",
+                    away / 1000.0, away * double{std::numeric_limits<float>::epsilon()} / 2.0));
   if (largest < 0.5)
     facts.doubts.push_back(
         fmt::format("{:.3f} m across: smaller than any building. [object] scale makes it larger", largest));
@@ -144,6 +152,11 @@ std::string advice_for_file(const std::filesystem::path& file) {
                                std::min<std::size_t>(beginning->size(), 2000));
   std::string ending = file.extension().string();
   std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (bytes.empty()) return "an empty file: copy or download it again";
+  if (bytes.starts_with("version https://git-lfs"))
+    return "only the place of a file that Git LFS keeps elsewhere: git lfs pull brings it";
+  for (const char* page : {"<!DOCTYPE", "<!doctype", "<html"})
+    if (bytes.starts_with(page)) return "a web page: its download brought a message in place of the model";
   if (bytes.starts_with("b3dm"))
     return "a tile of 3D Tiles (b3dm): npx 3d-tiles-tools b3dmToGlb -i IN.b3dm -o OUT.glb takes the glTF out of it";
   if (bytes.starts_with("i3dm"))

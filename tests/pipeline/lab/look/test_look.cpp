@@ -14,6 +14,7 @@
 #include "tests/picture_difference.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -91,6 +92,25 @@ TEST(Look, TellsWhatIsDoubtful) {
   for (ModelPart& part : model.parts)
     for (ModelVertex& vertex : part.vertices) vertex.position *= 100.0f;  // in centimetres
   EXPECT_THAT(facts_of(model, UpAxis::y).doubts, testing::ElementsAre(HasSubstr("scale = 0.01")));
+}
+
+TEST(Look, DoubtsAMapsCoordinates) {
+  Model model = temple();
+  for (ModelPart& part : model.parts)
+    for (ModelVertex& vertex : part.vertices) vertex.position += glm::vec3(476'000, 100, 5'400'000);
+  EXPECT_THAT(facts_of(model, UpAxis::y).doubts,
+              testing::ElementsAre(AllOf(HasSubstr("5420.9 km from its origin"), HasSubstr("exact to 0.32 m"))));
+}
+
+TEST(Look, NamesWhatIsNoModel) {
+  const auto file = test_output_folder() / "no-model.glb";
+  for (const auto& [text, advice] : std::map<std::string, std::string>{
+           {"", "an empty file"},
+           {"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", "git lfs pull"},
+           {"<!DOCTYPE html><html>404</html>", "a web page"}}) {
+    ASSERT_TRUE(write_text_file(file, text));
+    EXPECT_THAT(advice_for_file(file), HasSubstr(advice));
+  }
 }
 
 TEST(Look, TellsSizeTrianglesAndGround) {
