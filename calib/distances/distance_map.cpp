@@ -15,7 +15,7 @@ namespace {
 constexpr double kSameShape = 0.02;   // of the sides' ratio: networks take sides that are multiples of 14 or 32
 constexpr float kOneSurface = 0.05F;  // neighbours that differ by less are of one surface
 constexpr double kSuspiciouslyNear_m = 1.0;
-constexpr double kLargestDisparity_px = 32768.0;  // Middlebury has inf
+constexpr double kLargestDisparity_px = 32768.0;  // among floats; Middlebury has inf
 constexpr float kSkyMetres = std::numeric_limits<float>::infinity();
 constexpr float kZeroInFile = -1.0F;  // until it is known whether the map is sparse
 constexpr const char* kStepMissing =
@@ -36,7 +36,7 @@ std::optional<float> metres_of(double value, const DistanceFile& file, const Dis
   const double scale = file.scale.value_or(1.0);
   double metres = scale * value;
   if (file.holds == Holds::disparity) {
-    if (value > kLargestDisparity_px || value + file.offset <= 0.0) return 0.0F;
+    if ((!numbers.are_whole && value > kLargestDisparity_px) || value + file.offset <= 0.0) return 0.0F;
     metres = scale / (value + file.offset);
   } else if (file.holds == Holds::inverse) {
     const double inverse = scale * value + file.offset;

@@ -222,6 +222,26 @@ TEST(DistanceNumbers, DisparitiesAndNearnessBecomeDistances) {
   expect_landscape(read_distances(pfm_of("disparity.pfm", stereo), disparity, kWide, kHigh), 0.0f);
 }
 
+// As KITTI keeps them: 256 steps a pixel, up to 256 pixels.
+TEST(DistanceNumbers, StepsOfDisparityMayBeLarge) {
+  cv::Mat1w steps(kHigh, kWide);
+  const auto land = landscape(0.0f);
+  double nearest = 1e9;
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x) nearest = land.at(x, y) > 0.0f ? std::min<double>(nearest, land.at(x, y)) : nearest;
+  const double scale = 60'000.0 * nearest;  // so that the nearest is 60 000 steps
+  for (int y = 0; y < kHigh; ++y)
+    for (int x = 0; x < kWide; ++x)
+      steps(y, x) = land.at(x, y) > 0.0f ? cv::saturate_cast<std::uint16_t>(scale / double{land.at(x, y)}) : 0;
+  const auto file = folder() / "kitti.png";
+  ASSERT_TRUE(cv::imwrite(file.string(), steps));
+  DistanceFile disparity;
+  disparity.holds = DistanceFile::Holds::disparity;
+  disparity.scale = scale;
+  const auto map = must(read_distances(file, disparity, kWide, kHigh));
+  EXPECT_NEAR(map->near_m, nearest, 1e-4 * nearest);
+}
+
 TEST(DistanceNumbers, WhatIsUpsideDownOrRelativeIsTold) {
   auto nearness = landscape(0.0f);
   for (float& value : nearness.elements()) value = value > 0.0f ? 10000.0f / value : 0.0f;
