@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "base/finite_number.hpp"
@@ -55,7 +56,8 @@ Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
     for (char& c : values)
       if (c == '[' || c == ']' || c == ',') c = ' ';
     std::istringstream tokens(values);
-    for (std::string token; tokens >> token && numbers < kMostNumbers; ++numbers) file.add(key, token);
+    for (std::string token; tokens >> token && numbers < kMostNumbers; ++numbers)
+      if (token != "-") file.add(key, token);  // of a list within a list
   };
   for (std::string line; std::getline(lines, line);) {
     if (const auto comment = line.find('#'); comment != std::string::npos && (comment == 0 || line[comment - 1] == ' '))
@@ -170,6 +172,7 @@ const KeyFile::Value* KeyFile::find(std::initializer_list<const char*> keys, con
 
 std::vector<double> KeyFile::numbers(std::initializer_list<const char*> keys, const std::string& prefix) const {
   const auto* value = find(keys, prefix);
+  if (value) value->asked_for_numbers = true;
   if (!value || !std::ranges::all_of(value->numbers, [](double x) { return std::isfinite(x); })) return {};
   return value->numbers;
 }
@@ -182,6 +185,14 @@ std::optional<double> KeyFile::number(std::initializer_list<const char*> keys, c
 std::optional<std::string> KeyFile::text(std::initializer_list<const char*> keys, const std::string& prefix) const {
   const auto* value = find(keys, prefix);
   return value && !value->text.empty() ? std::optional(value->text) : std::nullopt;
+}
+
+std::vector<std::string> KeyFile::broken() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : values_)
+    if (value.asked_for_numbers && !value.numbers.empty() && !value.text.empty())
+      keys.push_back(fmt::format("{}: \"{}\" among its numbers", key, value.text.substr(0, 60)));
+  return keys;
 }
 
 bool KeyFile::has(const std::string& key) const {

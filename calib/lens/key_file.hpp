@@ -24,6 +24,8 @@ class KeyFile {
   std::optional<std::string> text(std::initializer_list<const char*> keys, const std::string& prefix = {}) const;
   bool has(const std::string& key) const;
   // Keys with numbers that were never read, except those below the names in `harmless`.
+  // Keys asked for numbers among which something else stands, such as nan.
+  std::vector<std::string> broken() const;
   std::vector<std::string> unread(const std::set<std::string, std::less<>>& harmless) const;
 
  private:
@@ -31,6 +33,7 @@ class KeyFile {
     std::vector<double> numbers;
     std::string text;
     mutable bool asked = false;
+    mutable bool asked_for_numbers = false;
   };
   const Value* find(std::initializer_list<const char*> keys, const std::string& prefix) const;
   static Result<KeyFile> parse_xml(const std::string& text);

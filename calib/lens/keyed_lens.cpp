@@ -1,5 +1,6 @@
 // OpenCV, ROS, Kalibr and ORB-SLAM: keys with numbers, and a model by its name or by what is there.
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -85,8 +86,6 @@ const std::set<std::string, std::less<>> kHarmless{"nframes",
                                                    "translation_vectors",
                                                    "rectification_matrix",
                                                    "projection_matrix",
-                                                   "binning_x",
-                                                   "binning_y",
                                                    "header",
                                                    "cam_overlaps",
                                                    "timeshift_cam_imu",
@@ -106,7 +105,9 @@ const std::set<std::string, std::less<>> kHarmless{"nframes",
                                                    "xi_std_dev",
                                                    "date",
                                                    "R",
-                                                   "P"};
+                                                   "P",
+                                                   "r",
+                                                   "p"};
 
 using Keys = std::initializer_list<const char*>;
 constexpr const char* kNone = "";
@@ -117,7 +118,7 @@ struct KeyedCoefficients {
 };
 
 std::optional<SensorMatrix> matrix_of(const KeyFile& file, const std::string& at, Problems& problems) {
-  const auto k = file.numbers({"camera_matrix", "cameraMatrix", "CameraMatrix", "Camera_Matrix", "K", "mtx"}, at);
+  const auto k = file.numbers({"camera_matrix", "cameraMatrix", "CameraMatrix", "Camera_Matrix", "K", "k", "mtx"}, at);
   if (k.size() == 9 && k[0] >= 1.0 && k[4] >= 1.0 && k[8] == 1.0 && k[3] == 0.0)
     return SensorMatrix{k[0], k[4], k[2], k[5], k[1]};
   if (k.empty()) {
@@ -132,7 +133,7 @@ std::optional<SensorMatrix> matrix_of(const KeyFile& file, const std::string& at
 
 std::vector<double> distortion_of(const KeyFile& file, const std::string& at) {
   auto found = file.numbers({"distortion_coefficients", "distortion_coeffs", "distCoeffs", "DistCoeffs", "dist_coeffs",
-                             "dist_coeff", "Distortion_Coefficients", "D", "dist"},
+                             "dist_coeff", "Distortion_Coefficients", "D", "d", "dist"},
                             at);
   if (!found.empty()) return found;
   const std::string slam = file.has("Camera1.fx") ? "Camera1." : "Camera.";
@@ -154,6 +155,25 @@ void read_size(const KeyFile& file, const std::string& at, ForeignLens& lens, Pr
   } else {
     problems.add("image_width, image_height: expected the size of the calibration's pictures");
   }
+}
+
+// ROS's camera_info: its numbers are of whole pictures of the sensor; others would have another size and centre.
+void check_whole_pictures(const KeyFile& file, const ForeignLens& lens, Problems& problems) {
+  for (const char* key : {"binning_x", "binning_y"})
+    if (const auto pixels = file.number({key}); pixels && *pixels > 1.0)
+      problems.add("{}: {:.0f} pixels become one in the pictures: expected a calibration of the pictures as they come",
+                   key, *pixels);
+  const auto part = [&](const char* key, double whole) {
+    const auto value = file.number({key});
+    if (value && *value != 0.0 && *value != whole)
+      problems.add(
+          "{}: {}, pictures are a part of the sensor's: expected 0, a calibration of the pictures as they come", key,
+          *value);
+  };
+  part("roi.x_offset", 0.0);
+  part("roi.y_offset", 0.0);
+  part("roi.width", lens.width);
+  part("roi.height", lens.height);
 }
 
 BrownCoefficients brown_of(const std::vector<double>& distortion) {
@@ -317,18 +337,23 @@ Result<ForeignLens> read_keyed_lens(const std::string& text, ImportQuestions& qu
   if (const auto alpha = file->number({"alpha", "skew_coefficient"}); alpha && matrix)
     matrix->skew += *alpha * matrix->fx;
   if (const auto skew = file->number({"skew"}); skew && matrix) matrix->skew += *skew;
+  constexpr std::array<std::size_t, 5> kCounts{4, 5, 8, 12, 14};
+  const bool sound_count = std::ranges::find(kCounts, distortion.size()) != kCounts.end();
+  const std::size_t given = distortion.size();
   while (model != NamedModel::fisheye && distortion.size() > 5 && distortion.back() == 0.0) distortion.pop_back();
   const auto count = distortion.size();
   if (model == NamedModel::fisheye && count != 4)
     problems.add("distortion_coefficients: {} numbers, expected the fisheye's 4: k1, k2, k3, k4", count);
-  if ((model == NamedModel::brown || model == NamedModel::rational) && (count < 4 || count > 12))
+  if ((model == NamedModel::brown || model == NamedModel::rational) && (!sound_count || count > 12))
     problems.add(
         "distortion_coefficients: {} numbers: expected 4, 5, 8 or 12 (k1, k2, p1, p2, k3, and those of the "
         "rational and thin prism models; a tilted sensor is not held)",
-        count);
+        given);
   if (model == NamedModel::omnidirectional && (!xi || !(*xi >= 0.0) || count > 5))
     problems.add("xi, distortion_coefficients: expected omnidir's xi >= 0 and k1, k2, p1, p2");
   read_size(*file, kNone, lens, problems);
+  check_whole_pictures(*file, lens, problems);
+  for (const auto& broken : file->broken()) problems.add("{}: expected numbers alone", broken);
   lens.rms_px = file->number({"avg_reprojection_error", "rms", "reprojection_error", "RMS"});
   for (const auto& key : file->unread(kHarmless))
     problems.add(

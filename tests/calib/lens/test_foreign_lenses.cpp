@@ -170,6 +170,41 @@ TEST(ForeignLens, RosCameraInfo) {
   EXPECT_THAT(refusal_of(text("my_model", "0, 0, 0, 0, 0")), HasSubstr("model \"my_model\": expected plumb_bob"));
 }
 
+// As `rostopic echo` and `ros2 topic echo` print it.
+TEST(ForeignLens, RosMessagesOfWholePicturesAlone) {
+  const std::string ros1 =
+      "height: 1500\nwidth: 1600\ndistortion_model: \"plumb_bob\"\nD: [-0.2, 0.05, 0.001, -0.0007, 0.003]\n"
+      "K: [450.5, 0.0, 801.25, 0.0, 452.0, 748.5, 0.0, 0.0, 1.0]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+      "P: [450, 0, 801, 0, 0, 452, 748, 0, 0, 0, 1, 0]\nbinning_x: 0\nbinning_y: 1\n";
+  const std::string whole = "roi:\n  x_offset: 0\n  y_offset: 0\n  height: 0\n  width: 0\n  do_rectify: False\n";
+  const auto first = imported_from(ros1 + whole);
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_EQ(first->foreign_model, "plumb_bob");
+  std::string ros2 = ros1;
+  for (const char letter : {'D', 'K', 'R', 'P'})
+    ros2[ros2.find(std::string("\n") + letter + ":") + 1] = static_cast<char>(std::tolower(letter));
+  const auto second = imported_from(ros2 + whole);
+  ASSERT_TRUE(second) << second.error().message;
+  const glm::dvec3 ray{0.3, -0.2, 1.0};
+  EXPECT_EQ(*make_lens(second->lens)->project(ray), *make_lens(first->lens)->project(ray));
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string text = ros1 + whole;
+    return refusal_of(text.replace(text.find(from), from.size(), to));
+  };
+  EXPECT_THAT(with("binning_x: 0", "binning_x: 2"), HasSubstr("binning_x: 2 pixels become one"));
+  EXPECT_THAT(with("x_offset: 0", "x_offset: 200"), HasSubstr("roi.x_offset: 200"));
+  EXPECT_THAT(with("  width: 0", "  width: 800"), HasSubstr("roi.width: 800"));
+}
+
+TEST(ForeignLens, ListsOfAnotherLengthOrWithoutNumbersAreRefused) {
+  const auto bent = [](const std::string& numbers) {
+    return refusal_of(kHead + kMatrix + "distortion_coefficients: [" + numbers + "]\n");
+  };
+  EXPECT_THAT(bent("-0.2, 0.05, 0, 0, 0.01, 0.1, 0.2"), HasSubstr("7 numbers: expected 4, 5, 8 or 12"));
+  EXPECT_THAT(bent("-0.2, .nan, 0, 0, 0.01"), HasSubstr("distortion_coefficients: \".nan\" among its numbers"));
+  EXPECT_THAT(bent("-0.2, inf, 0, 0, 0.01"), HasSubstr("\"inf\" among its numbers"));
+}
+
 TEST(ForeignLens, KalibrsCamchain) {
   const auto text = [](const std::string& camera, const std::string& n, const std::string& bent, const std::string& d) {
     return "cam0:\n  cam_overlaps: []\n  camera_model: " + camera + "\n  distortion_coeffs: [" + d +
