@@ -270,6 +270,8 @@ Composition RenderLoop::composition() const {
   // Where there is no building, then is as now.
   if (!is_building_seen()) return all;
   all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language(), screen_.stage().scene().shown_view());
+  all.hints = visitor_.hints();
+  all.hand.above_hints = !all.hints.empty();
   all.story = visitor_.story();
   return all;
 }

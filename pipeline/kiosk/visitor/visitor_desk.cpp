@@ -112,6 +112,19 @@ StoryView VisitorDesk::story() const {
           {options_->left_handed, options_->seated, hand_->choice().large_print, options_->pixels_per_degree}};
 }
 
+// Of languages the next one's own name: only its readers need it.
+std::vector<std::string> VisitorDesk::hints() const {
+  std::vector<std::string> texts;
+  if (!options_ || !hand_) return texts;
+  const auto next = languages_[(hand_->choice().language + 1) % languages_.size()];
+  for (const HandKey key : options_->hints)
+    texts.push_back(
+        key == HandKey::language
+            ? std::string(name_of(next))
+            : std::string(text_of(fmt::format("hint.{}", kHandKeyNames[static_cast<std::size_t>(key)]), language())));
+  return texts;
+}
+
 std::string VisitorDesk::note() const {
   const auto pressed = hand_ ? hand_->pressed(clock_.now()) : std::nullopt;
   if (!pressed) return {};

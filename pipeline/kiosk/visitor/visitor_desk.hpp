@@ -43,9 +43,10 @@ class VisitorDesk {
   BuildingView view() const { return static_cast<BuildingView>(hand_ ? hand_->choice().view : 0); }
   std::size_t era() const { return hand_ ? hand_->choice().era : 0; }  // so many after the one of the day
   Language language() const;
-  double print() const;      // of the letters' usual size
-  std::string note() const;  // what was chosen last, for some seconds after; empty: nothing
-  StoryView story() const;   // in the visitor's language, else in the content's usual one; no text: none is read
+  double print() const;                    // of the letters' usual size
+  std::string note() const;                // what was chosen last, for some seconds after; empty: nothing
+  std::vector<std::string> hints() const;  // what each button does, as it is to be written on the picture
+  StoryView story() const;  // in the visitor's language, else in the content's usual one; no text: none is read
   std::optional<VisitorStatus> status() const;
 
  private:

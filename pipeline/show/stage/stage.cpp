@@ -18,6 +18,7 @@ std::string Composition::over_scene() const {
   if (hand.bare > 0.0) return "a visitor wipes";
   if (!hand.then.empty()) return "a visitor looks at another view";
   if (!story.text.empty()) return "a visitor reads a story";
+  if (!hints.empty()) return "the buttons are labelled";
   return message.empty() ? "" : "words are shown";
 }
 
@@ -82,6 +83,7 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   letters.print = composition.print;
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target); !drawn) return drawn;
+  if (auto drawn = hints_.draw(*context_, composition.hints, letters, target); !drawn) return drawn;
   if (auto drawn = story_.draw(*context_, composition.story, *content_, target); !drawn) return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
   if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)

@@ -3,10 +3,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/show/scene/building_planes.hpp"
 #include "pipeline/show/scene/compositor.hpp"
 #include "pipeline/show/scene/scene_frame.hpp"
+#include "pipeline/show/stage/key_hints.hpp"
 #include "pipeline/show/stage/overlay.hpp"
 #include "pipeline/show/stage/shown_story.hpp"
 #include "pipeline/show/stage/still_picture.hpp"
@@ -21,6 +23,7 @@ namespace kasumi {
 struct Composition {
   Rung rung;
   std::string message;                 // what is wrong, for visitors; empty: nothing
+  std::vector<std::string> hints{};    // what each button does; none: nothing is written
   HandView hand{};                     // what a visitor wipes; Compositor::set_bare() draws it
   StoryView story{};                   // that a visitor reads
   std::optional<Language> language{};  // a visitor's choice; empty: the configured one
@@ -74,6 +77,7 @@ class Stage {
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;
   ThenAndNow then_and_now_;
+  KeyHints hints_;
   ShownStory story_;
   bool has_scene_ = false;
   bool draws_object_ = false;

@@ -37,8 +37,8 @@ HandView hand_view(double bare, const SkyReport& sky, Language language, Buildin
   return {bare, bare > 0.0 ? std::string(text_of("hand.now", language)) : std::string(), std::move(then)};
 }
 
-Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, double to, GlContext& context,
-                          const MessageOptions& letters, const DrawTarget& target) {
+Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, double to, double foot,
+                          GlContext& context, const MessageOptions& letters, const DrawTarget& target) {
   const CaptionKey key{letters.language, letters.print, target.width};
   if (label.text != text || label.key != key) {
     label.text = text;
@@ -50,8 +50,8 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
       label.picture = std::move(*flat);
   }
   if (!label.picture) return {};
-  const double width = label.picture->width(), height = label.picture->height(), margin = target.height / 24.0;
-  if (to - from < width + margin) return {};
+  const double width = label.picture->width(), height = label.picture->height(), margin = target.height / 24.0 + foot;
+  if (to - from < width + target.height / 24.0) return {};
   const double left = std::round(std::clamp((from + to - width) / 2.0, 0.0, target.width - width));
   return label.picture->draw(target, {left, std::round(target.height - margin - height), width, height});
 }
@@ -59,9 +59,10 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
 Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageOptions& letters,
                           const DrawTarget& target) {
   if (view.then.empty()) return {};
+  const double foot = view.above_hints ? letters.print * target.height / 14.0 : 0.0;
   const double edge = std::round(view.bare * target.width);
-  if (auto drawn = draw(now_, view.now, 0.0, edge, context, letters, target); !drawn) return drawn;
-  if (auto drawn = draw(then_, view.then, edge, target.width, context, letters, target); !drawn) return drawn;
+  if (auto drawn = draw(now_, view.now, 0.0, edge, foot, context, letters, target); !drawn) return drawn;
+  if (auto drawn = draw(then_, view.then, edge, target.width, foot, context, letters, target); !drawn) return drawn;
   if (view.bare <= 0.0 || view.bare >= 1.0) return {};
   if (!edge_) {
     Image<Rgba8> line(3, 1, kEdgeDark);

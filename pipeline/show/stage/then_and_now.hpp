@@ -14,8 +14,9 @@
 namespace kasumi {
 
 struct HandView {
-  double bare = 0.0;      // of the screen's width: the camera's picture alone
-  std::string now, then;  // what is to be seen left and right of the edge; `then` also without one, in a view
+  double bare = 0.0;         // of the screen's width: the camera's picture alone
+  std::string now, then;     // what is to be seen left and right of the edge; `then` also without one, in a view
+  bool above_hints = false;  // leaves the foot of the picture to what is written there
   friend bool operator==(const HandView&, const HandView&) = default;
 };
 
@@ -36,7 +37,7 @@ class ThenAndNow {
     CaptionKey key{};
     std::optional<FlatPicture> picture;
   };
-  Result<> draw(Label& label, const std::string& text, double from, double to, GlContext& context,
+  Result<> draw(Label& label, const std::string& text, double from, double to, double foot, GlContext& context,
                 const MessageOptions& letters, const DrawTarget& target);
   Label now_, then_;
   std::optional<FlatPicture> edge_;

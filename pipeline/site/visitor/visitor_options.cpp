@@ -98,6 +98,23 @@ std::vector<Language> read_languages(const ConfigTable& table) {
   return languages;
 }
 
+std::vector<HandKey> read_hints(const ConfigTable& table, const VisitorOptions& options) {
+  std::vector<HandKey> hints;
+  if (!table.has("hints")) return hints;
+  for (const auto& name : table.texts("hints")) {
+    const auto key = static_cast<std::size_t>(std::ranges::find(kHandKeyNames, name) - kHandKeyNames.begin());
+    if (key == kHandKeys)
+      table.problem("hints", fmt::format("one of {}, not \"{}\"", fmt::join(kHandKeyNames, ", "), name));
+    else if (options.keys[key].empty())
+      table.problem("hints", fmt::format("actions that have a key: \"{}\" has none", name));
+    else if (std::ranges::find(hints, static_cast<HandKey>(key)) != hints.end())
+      table.problem("hints", fmt::format("each action once, not \"{}\" again", name));
+    else
+      hints.push_back(static_cast<HandKey>(key));
+  }
+  return hints;
+}
+
 }  // namespace
 
 std::optional<int> input_key(std::string_view name) {
@@ -121,6 +138,7 @@ std::optional<VisitorOptions> read_visitor(const ConfigTable& root) {
   options.devices = read_devices(*table);
   std::vector<int> taken;
   for (std::size_t i = 0; i < kHandKeys; ++i) options.keys[i] = read_keys(*table, kHandKeyNames[i], taken);
+  options.hints = read_hints(*table, options);
   options.notch = table->number("notch", {0.005, 0.5}, options.notch);
   options.languages = read_languages(*table);
   options.idle = from_seconds(table->number("idle_s", {5.0, 600.0}, to_seconds(options.idle)));

@@ -18,6 +18,7 @@ struct VisitorOptions {
   std::array<std::vector<int>, kHandKeys> keys{};  // of each HandKey: codes of the kernel's input events
   double notch = 0.05;                             // of the picture's width that a knob's notch wipes
   std::vector<Language> languages;                 // to choose from; empty: all
+  std::vector<HandKey> hints;                      // written on the picture, in the buttons' order; empty: none
   Duration idle = std::chrono::seconds(45);        // without a visitor, until everything is as it was
   bool left_handed = false, seated = false;        // where stories are laid out, as PanelReader has it
   double pixels_per_degree = 24.0;                 // of the screen, from where it is read

@@ -268,6 +268,25 @@ TEST(Visitor, APressIsSeenInTheSecondPictureAtTheLatest) {
   }
 }
 
+TEST(Visitor, TheGlassSaysWhatEachButtonDoes) {
+  Kiosk plain("no-hints"), kiosk("hints", "hints = [\"then_and_now\", \"era\", \"language\"]\n");
+  const auto without = plain.rig->picture(), with = kiosk.rig->picture();
+  for (const int column : {0, 1, 2}) {
+    int light = 0, changed = 0;
+    for (int y = 150; y < 180; ++y)
+      for (int x = 10 + column * 107; x < 97 + column * 107; ++x) {
+        light += with.at(x, y).g > 200 ? 1 : 0;
+        changed += std::abs(with.at(x, y).g - without.at(x, y).g) > 24 ? 1 : 0;
+      }
+    EXPECT_GT(light, 40) << "letters of button " << column;
+    EXPECT_GT(changed, 200) << "their plate";
+  }
+  EXPECT_LT(difference(with, without, 20, 300), 0.05) << "above nothing changes";
+  kiosk.tap(KEY_L);
+  kiosk.rig->advance(4s);
+  EXPECT_NE(kiosk.rig->picture().elements(), with.elements()) << "in the language that was chosen";
+}
+
 TEST(Visitor, OnlyHourAndKindArePutOnTheDisk) {
   Kiosk kiosk("presses");
   kiosk.tap(KEY_L);

@@ -1,0 +1,24 @@
+// What each of the visitors' buttons does, written at the foot of the picture in the buttons' order from left to right.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gles/picture/flat_picture.hpp"
+#include "pipeline/show/stage/words.hpp"
+
+namespace kasumi {
+
+class KeyHints {
+ public:
+  // Each in the middle of its share of the width, smaller where it would not fit. Errors: device.
+  Result<> draw(GlContext& context, const std::vector<std::string>& texts, const MessageOptions& letters,
+                const DrawTarget& target);
+
+ private:
+  std::vector<std::string> texts_;
+  CaptionKey key_;
+  std::vector<FlatPicture> labels_;
+};
+
+}  // namespace kasumi
