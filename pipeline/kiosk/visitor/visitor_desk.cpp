@@ -116,12 +116,16 @@ StoryView VisitorDesk::story() const {
 std::vector<std::string> VisitorDesk::hints() const {
   std::vector<std::string> texts;
   if (!options_ || !hand_) return texts;
-  const auto next = languages_[(hand_->choice().language + 1) % languages_.size()];
-  for (const HandKey key : options_->hints)
-    texts.push_back(
-        key == HandKey::language
-            ? std::string(name_of(next))
-            : std::string(text_of(fmt::format("hint.{}", kHandKeyNames[static_cast<std::size_t>(key)]), language())));
+  for (const HandKey key : options_->hints) switch (key) {
+      case HandKey::then_and_now: texts.push_back(std::string(text_of("hint.then_and_now", language()))); break;
+      case HandKey::era: texts.push_back(std::string(text_of("hint.era", language()))); break;
+      case HandKey::language:
+        texts.emplace_back(name_of(languages_[(hand_->choice().language + 1) % languages_.size()]));
+        break;
+      case HandKey::large_print: texts.push_back(std::string(text_of("hint.large_print", language()))); break;
+      case HandKey::story: texts.push_back(std::string(text_of("hint.story", language()))); break;
+      case HandKey::view: texts.push_back(std::string(text_of("hint.view", language()))); break;
+    }
   return texts;
 }
 

@@ -1,11 +1,11 @@
 // What a visitor's wipe and views cost beside the plain picture.
+#include "capture/codec/dimmed_picture.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
 #include "gles/object/renderer.hpp"
 #include "pipeline/lab/bench/gles.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
-#include "pipeline/show/scene/dimmed_picture.hpp"
 
 namespace kasumi {
 namespace {

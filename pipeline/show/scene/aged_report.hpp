@@ -3,6 +3,7 @@
 
 #include "pipeline/show/scene/sky_watch.hpp"
 #include "pipeline/site/config/installation.hpp"
+#include "pipeline/site/visitor/building_view.hpp"
 
 namespace kasumi {
 
@@ -13,5 +14,8 @@ constexpr Duration kSunHold = std::chrono::minutes(10);    // of a sun seen in t
 // What is known of the air has grown older and is trusted as long as ever, the sun has moved on, seen clouds and a seen
 // sun hold for a while. Only the widths of what drifts stay as they were. `later` >= 0, else it counts as 0.
 SkyReport aged(SkyReport report, Duration later, const Installation& installation);
+
+// The same report with the sky in which that view is lit. A view of the same light is left as it is.
+SkyReport lit_for(BuildingView view, SkyReport report, const Site& site);
 
 }  // namespace kasumi

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/show/scene/aged_report.hpp"
 #include "pipeline/show/scene/for_gles.hpp"
 
 namespace kasumi {

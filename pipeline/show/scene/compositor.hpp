@@ -8,9 +8,9 @@
 #include "base/clock.hpp"
 #include "gles/gl/context.hpp"
 #include "pipeline/show/scene/building_layer.hpp"
-#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/frame_upload.hpp"
 #include "pipeline/show/scene/surroundings_watch.hpp"
+#include "pipeline/site/visitor/building_view.hpp"
 
 namespace kasumi {
 

@@ -3,9 +3,9 @@
 
 #include <optional>
 
+#include "capture/codec/dimmed_picture.hpp"
 #include "capture/frame.hpp"
 #include "gles/object/renderer.hpp"
-#include "pipeline/show/scene/dimmed_picture.hpp"
 
 namespace kasumi {
 

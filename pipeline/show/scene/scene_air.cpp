@@ -21,6 +21,7 @@ namespace {
 
 // Clouds and people pass while the air stays, so the horizon is smoothed with this time constant. A horizon from before
 // a long outage has no weight.
+constexpr Turbidity kClearAir{2.0};  // a clear day in the mountains
 constexpr double kHorizonMemory_s = 2.8;
 constexpr double kCardsMemory_s = 180.0;      // a person leans on the wall; clouds' light is computed a moment late
 constexpr double kCardsForgotten_s = 1800.0;  // unread for so long: their factors are of another light

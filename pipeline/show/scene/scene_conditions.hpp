@@ -5,8 +5,8 @@
 
 #include "estimator/atmosphere.hpp"
 #include "estimator/light/card_light.hpp"
-#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/sky_watch.hpp"
+#include "pipeline/site/visitor/building_view.hpp"
 
 namespace kasumi {
 

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "gles/picture/flat_picture.hpp"
-#include "pipeline/show/scene/building_view.hpp"
 #include "pipeline/show/scene/sky_watch.hpp"
 #include "pipeline/show/stage/words.hpp"
 #include "pipeline/site/config/run_config.hpp"
+#include "pipeline/site/visitor/building_view.hpp"
 
 namespace kasumi {
 

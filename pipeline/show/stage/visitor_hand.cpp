@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/show/scene/building_view.hpp"
+#include "pipeline/site/visitor/building_view.hpp"
 
 namespace kasumi {
 

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "capture/codec/dimmed_picture.hpp"
 #include "pipeline/kiosk/visitor/visitor_presses.hpp"
-#include "pipeline/show/scene/dimmed_picture.hpp"
 #include "pipeline/show/stage/shown_story.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"

@@ -1,4 +1,4 @@
-#include "pipeline/show/scene/dimmed_picture.hpp"
+#include "capture/codec/dimmed_picture.hpp"
 
 #include <cmath>
 
