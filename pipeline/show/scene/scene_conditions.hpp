@@ -12,7 +12,6 @@ namespace kasumi {
 
 // The air a picture is drawn under.
 struct SceneConditions {
-  BuildingView view = BuildingView::live;  // of those that are lit or seen in another air; alone is as live
   AirState air;
   SunDirection sun{0, 0, 1};
   SkyCondition sky = SkyCondition::unknown;
@@ -23,6 +22,7 @@ struct SceneConditions {
   double haze_blur_px = 0.0;
   LightFactors by_cards{};  // on the model's light
   double saturation = 1.0;  // of the scene camera (calib/colour/camera_saturation)
+  BuildingView view = BuildingView::live;  // of those that are lit or seen in another air; alone is as live
 };
 
 }  // namespace kasumi
