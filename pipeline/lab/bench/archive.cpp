@@ -48,7 +48,7 @@ Result<ArchivePicture> archive_picture(const std::filesystem::path& folder, int 
   if (!bytes) return fail(bytes.error());
   ArchivePicture picture{folder / "sky.jpg", std::move(*bytes), {}};
   picture.options.calibrated = camera;
-  picture.options.sun = sun;
+  picture.options.sun = weather == BenchWeather::night ? direction_from(from_degrees(110.0), from_degrees(0.0)) : sun;
   picture.options.estimate.sky.every_model = true;
   if (auto written = write_file(picture.file, picture.bytes); !written) return fail(written.error());
   return picture;

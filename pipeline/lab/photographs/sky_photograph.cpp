@@ -10,6 +10,7 @@
 #include "calib/mask/square_pixels.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/turbidity/sky_picture.hpp"
+#include "estimator/turbidity/sky_verdict.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
 
 namespace kasumi {
@@ -22,6 +23,7 @@ bool same(const std::optional<ImageCircle>& a, const ImageCircle& b) {
 
 constexpr double kSigmaOfKnownTone = 0.02, kSigmaOfKnownRim = 0.05;
 constexpr double kOtherPlace_m = 25'000.0;         // the sun stands .2 deg elsewhere
+constexpr double kNightByTime = 0.99;              // one clock in a hundred is half a day off
 constexpr Radians kWrongSun = from_degrees(15.0);  // seen so far from where it is given: that is not the sky's sun
 
 double distance_m(const Site& site, double latitude_deg, double longitude_deg) {
@@ -175,6 +177,21 @@ void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file
                             known ? known->tones + (known->told.contains(file) ? 0 : 1) : 1};
 }
 
+bool SkyPhotographs::answer_by_night(const SunGiven& given, SkyPhotographReport& report) const {
+  if (given.from_picture || !given.direction) return false;
+  const auto refused = refuse_by_sun(*given.direction, estimate_options(report));
+  if (!refused || refused->sky != SkyCondition::night) return false;
+  report.look.estimate.sky = refused->sky;
+  report.look.estimate.reason = report.cover.reason = refused->reason;
+  report.cover.sky = SkyClass::night;
+  report.cover.confidence = kNightByTime;
+  report.sun.direction = report.sun.by_time_and_place = given.direction;
+  report.sun.in_camera = *given.direction;
+  report.sun.azimuth_up = given.azimuth_up;
+  report.sun.told = given.by + "; not looked for in the picture";
+  return true;
+}
+
 Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
   SkyPhotographReport report;
   auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr, &report.taken);
@@ -235,6 +252,9 @@ Result<SkyPhotographReport> SkyPhotographs::estimate_of(const std::filesystem::p
     if (!same_camera) observer_.emplace(ideal_camera(picture, *circle, turn));
     observed_circle_ = circle;
   }
+
+  // A camera that is known has days by which a wrong clock is noticed: by night nothing of its picture is asked.
+  if ((options_.calibrated || options_.memory) && answer_by_night(sun_given(report, turn), report)) return report;
 
   auto picture = sky_picture(photograph.encoded, photograph.quantum, observer_->camera());
   if (!picture) return fail(FaultKind::bad_input, "{}: {}", file.string(), picture.error().message);

@@ -92,6 +92,8 @@ class SkyPhotographs {
   double altitude_m(const SkyPhotographReport& report) const;
   EstimateOptions estimate_options(const SkyPhotographReport& report) const;
   SunGiven sun_given(const SkyPhotographReport& report, const SkyTurn* turn) const;
+  // Whether it is night by time and place; the report then says so.
+  bool answer_by_night(const SunGiven& given, SkyPhotographReport& report) const;
   PictureCircle circle_alone(const std::filesystem::path& file, const Photograph& photograph) const;
   // Finds the circle where none is given and makes pixels square; empty: no picture of a fisheye.
   std::optional<ImageCircle> placed_circle(const std::filesystem::path& file, Photograph& photograph,
