@@ -20,8 +20,8 @@ struct SceneConditions {
   // Blur of the object by the haze in front of it (H Eq 7 at the object's range, lambda sqrt(optical depth)): standard
   // deviation in pixels. The fog of a valley is not counted.
   double haze_blur_px = 0.0;
-  LightFactors by_cards{};  // on the model's light
-  double saturation = 1.0;  // of the scene camera (calib/colour/camera_saturation)
+  LightFactors by_cards{};                 // on the model's light
+  double saturation = 1.0;                 // of the scene camera (calib/colour/camera_saturation)
   BuildingView view = BuildingView::live;  // of those that are lit or seen in another air; alone is as live
 };
 
