@@ -1,5 +1,5 @@
 // What a visitor's hand has chosen, under a clock that the test turns.
-#include "pipeline/show/stage/visitor_hand.hpp"
+#include "pipeline/kiosk/visitor/visitor_hand.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pipeline/show/stage/visitor_hand.hpp"
+#include "pipeline/kiosk/visitor/visitor_hand.hpp"
 
 #include <algorithm>
 #include <cmath>
