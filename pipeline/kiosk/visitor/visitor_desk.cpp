@@ -8,6 +8,8 @@ namespace kasumi {
 
 namespace {
 
+constexpr Duration kEraIsSaid =
+    std::chrono::seconds(5);         // from its first picture on: another building is looked at first
 constexpr double kLargePrint = 1.6;  // of the usual size; labels still fit on half a screen
 
 std::vector<std::string> names_of(const std::vector<Era>& eras) {
@@ -30,19 +32,23 @@ std::vector<Language> from_configured(std::vector<Language> languages, Language 
 
 void VisitorDesk::use(const Content& content) {
   const auto& config = content.config;
-  shown_era_ = era_name(content);
+  if (const auto name = era_name(content); name != shown_era_) {
+    shown_era_ = name;
+    era_shown_at_ = clock_.now();
+  }
   content_ = content.visitor;
-  auto eras = names_of(config.eras);
   auto languages =
       from_configured(config.visitor ? config.visitor->languages : std::vector<Language>{}, config.messages.language);
-  if (options_ == config.visitor && eras == eras_ && languages == languages_) {
+  const bool same_eras = names_of(config.eras) == names_of(eras_);
+  eras_ = config.eras;
+  time_zone_ = config.opening.time_zone;
+  if (options_ == config.visitor && same_eras && languages == languages_) {
     if (hand_) hand_->offer_stories(stories().size());
     return;
   }
   const bool same_devices = options_ && config.visitor && options_->devices == config.visitor->devices &&
                             options_->keys == config.visitor->keys;
   options_ = config.visitor;
-  eras_ = std::move(eras);
   languages_ = std::move(languages);
   if (!same_devices) end_links();  // before they are opened again
   hand_.reset();
@@ -91,10 +97,15 @@ std::vector<const Story*> VisitorDesk::stories() const {
   return told;
 }
 
-std::string VisitorDesk::era_title() const {
-  if (!content_) return shown_era_;
-  const auto era = std::ranges::find(content_->eras, shown_era_, &VisitorEra::name);
-  if (era == content_->eras.end()) return shown_era_;
+std::string VisitorDesk::chosen_era() const {
+  const auto of_the_day = era_at(eras_, time_zone_, clock_.utc());
+  return of_the_day ? eras_[(*of_the_day + era()) % eras_.size()].name : shown_era_;
+}
+
+std::string VisitorDesk::title_of_era(const std::string& name) const {
+  if (!content_) return name;
+  const auto era = std::ranges::find(content_->eras, name, &VisitorEra::name);
+  if (era == content_->eras.end()) return name;
   const auto title = era->title.find(std::string(code_of(language())));
   return title == era->title.end() ? era->title.at(content_->languages.front()) : title->second;
 }
@@ -130,7 +141,13 @@ std::vector<std::string> VisitorDesk::hints() const {
 }
 
 std::string VisitorDesk::note() const {
-  const auto pressed = hand_ ? hand_->pressed(clock_.now()) : std::nullopt;
+  if (!hand_) return {};
+  if (era() != 0) {
+    const auto chosen = chosen_era();
+    if (chosen != shown_era_) return title_of_era(chosen) + " ...";  // being prepared
+    if (clock_.now() - era_shown_at_ < kEraIsSaid) return title_of_era(chosen);
+  }
+  const auto pressed = hand_->pressed(clock_.now());
   if (!pressed) return {};
   switch (*pressed) {
     case HandKey::then_and_now: break;  // its labels say what it does
@@ -139,7 +156,7 @@ std::string VisitorDesk::note() const {
       auto title = title_of(view(), language());
       return title.empty() ? std::string(text_of("hand.view_live", language())) : title;
     }
-    case HandKey::era: return era_title();
+    case HandKey::era: return title_of_era(shown_era_);
     case HandKey::language: return std::string(name_of(language()));
     case HandKey::large_print:
       return std::string(text_of(hand_->choice().large_print ? "hand.large_print" : "hand.normal_print", language()));

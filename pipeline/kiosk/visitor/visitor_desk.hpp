@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/kiosk/visitor/visitor_hand.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/input/input_link.hpp"
 #include "pipeline/show/stage/stage.hpp"
-#include "pipeline/show/stage/visitor_hand.hpp"
 
 namespace kasumi {
 
@@ -51,7 +51,9 @@ class VisitorDesk {
 
  private:
   std::vector<const Story*> stories() const;  // to be read now
-  std::string era_title() const;              // in the visitor's language, else in the content's usual one
+  std::string chosen_era() const;
+  // In the visitor's language, else in the content's usual one.
+  std::string title_of_era(const std::string& name) const;
 
   void begin_links();
   void end_links();
@@ -60,8 +62,10 @@ class VisitorDesk {
   Clock& clock_;
   std::function<void()> news_;
   std::optional<VisitorOptions> options_;
-  std::vector<std::string> eras_;
+  std::vector<Era> eras_;
+  std::string time_zone_;  // of their dates and hours
   std::string shown_era_;
+  Instant era_shown_at_{};
   std::shared_ptr<const VisitorContent> content_;       // null: there is none
   std::vector<Language> languages_{Language::english};  // the configured one first
   std::vector<std::shared_ptr<InputLink>> links_;       // one for each device

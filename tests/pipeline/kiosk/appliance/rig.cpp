@@ -125,7 +125,10 @@ std::filesystem::path write_config(const std::filesystem::path& folder, const st
     return fmt::format("\n[{}.camera]\nsource = \"replay\"\nfixture = \"{}\"\n", name, fixture.string());
   };
   text += camera("sky") + camera("scene");
-  text += fmt::format("\n[display]\nkind = \"headless\"\nwidth = {}\nheight = {}\n", kWidth, kHeight);
+  const auto scene = text.find("[scene]");  // of the scene camera's size
+  int width = kWidth, height = kHeight;
+  std::sscanf(text.c_str() + scene, "[scene] width = %d height = %d", &width, &height);
+  text += fmt::format("\n[display]\nkind = \"headless\"\nwidth = {}\nheight = {}\n", width, height);
   text += "\n[still]\npicture = \"still.png\"\ncaption = \"The view returns in a moment.\"\n";
   text += "\n[words]\nlanguage = \"en\"\n";
   text += fmt::format("\n[clock]\npolicy = \"{}\"\n", clock_policy);

@@ -28,7 +28,8 @@ const std::filesystem::path& bench_fixture();
 // The number in the corner of a picture; empty when there is none.
 std::optional<int> frame_number(const Image<Rgb8>& picture);
 
-// kasumi.toml for that recording, or another of 320 x 180 pixels, in `folder`, with a still picture in magenta.
+// kasumi.toml for that recording or another, on a screen of its scene's size, in `folder`, with a still picture in
+// magenta.
 std::filesystem::path write_config(const std::filesystem::path& folder, const std::string& clock_policy = "trusted",
                                    const std::filesystem::path& recording = bench_fixture());
 
@@ -87,7 +88,7 @@ class BenchDevices final : public Devices {
 struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";
-  std::filesystem::path recording{};  // of 320 x 180 pixels, instead of the bench's; its frames carry no numbers
+  std::filesystem::path recording{};  // instead of the bench's; its frames carry no numbers
   std::string more_config{};          // at the end of kasumi.toml
   std::string first_config{};         // at its beginning
   bool no_leaves = false;             // what the scene's mask leaves open in part is free
