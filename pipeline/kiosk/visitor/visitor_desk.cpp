@@ -8,8 +8,8 @@ namespace kasumi {
 
 namespace {
 
-constexpr Duration kEraIsSaid =
-    std::chrono::seconds(5);         // from its first picture on: another building is looked at first
+// Chosen: a new building is looked at for some seconds before its name is read.
+constexpr Duration kEraIsSaid = std::chrono::seconds(5);
 constexpr double kLargePrint = 1.6;  // of the usual size; labels still fit on half a screen
 
 std::vector<std::string> names_of(const std::vector<Era>& eras) {

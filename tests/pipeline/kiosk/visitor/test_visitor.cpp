@@ -127,6 +127,14 @@ TEST(Visitor, AnotherVisitorFindsTheLanguageOfTheKiosk) {
   EXPECT_NE(kiosk.rig->picture().elements(), german.elements()) << "large print";
 }
 
+// White letters of the note at the top.
+int letters_at_the_top(const Image<Rgb8>& picture) {
+  int count = 0;
+  for (int y = 2; y < 26; ++y)
+    for (int x = 100; x < 220; ++x) count += picture.at(x, y).g > 215 ? 1 : 0;
+  return count;
+}
+
 TEST(Visitor, AnEraIsChosenAndTheOneOfTheDayComesBack) {
   const auto folder = test_folder("appliance-visitor-era");
   std::filesystem::remove_all(folder);
@@ -146,6 +154,10 @@ TEST(Visitor, AnEraIsChosenAndTheOneOfTheDayComesBack) {
   rig.devices.input.devices[kPanel].key(KEY_E, true);
   EXPECT_TRUE(rig.advance_until([&] { return era() == "pagoda"; }, 20s));
   EXPECT_EQ(rig.shown(), Shown::live);
+  rig.advance(4s);
+  const int named = letters_at_the_top(rig.picture());
+  rig.advance(6s);
+  EXPECT_GT(named, letters_at_the_top(rig.picture()) + 20) << "its name, when it is there";
   EXPECT_TRUE(rig.advance_until([&] { return era() == "temple"; }, 60s)) << "without a hand for 45 s";
 }
 
