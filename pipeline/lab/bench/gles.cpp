@@ -30,11 +30,8 @@ Result<Shares> shares_of(Renderer& renderer, const SceneView& view) {
 }
 
 Result<Renderer> make_renderer(GlContext& context, const BenchScene& scene) {
-  auto renderer = Renderer::create(context);
+  auto renderer = drawn_by_renderer(context, scene);
   if (!renderer) return renderer;
-  if (auto set = renderer->set_model(scene.facade); !set) return fail(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
   if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
   return renderer;
 }

@@ -3,7 +3,6 @@
 #include "estimator/passers/passers.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "gles/object/renderer.hpp"
 #include "pipeline/lab/bench/gles.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
@@ -51,11 +50,8 @@ Result<std::vector<BenchRow>> bench_people() {
   const BenchScene scene = make_bench_scene();
   auto offscreen = Offscreen::create((*context)->info(), scene.view.width, scene.view.height);
   if (!offscreen) return fail(offscreen.error());
-  auto renderer = Renderer::create(**context);
+  auto renderer = drawn_by_renderer(**context, scene);
   if (!renderer) return fail(renderer.error());
-  if (auto set = renderer->set_model(scene.facade); !set) return fail(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
 
   const PixelBox box = renderer->object_box();
   const PartPlace place =

@@ -170,4 +170,13 @@ Model make_bench_facade(const BenchSize& size) {
   return make_facades(size, random);
 }
 
+Result<Renderer> drawn_by_renderer(GlContext& context, const BenchScene& scene) {
+  auto renderer = Renderer::create(context);
+  if (!renderer) return renderer;
+  if (auto set = renderer->set_model(scene.facade); !set) return fail(set.error());
+  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
+  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
+  return renderer;
+}
+
 }  // namespace kasumi

@@ -11,6 +11,7 @@
 #include "base/picture.hpp"
 #include "estimator/atmosphere.hpp"
 #include "gles/model/model.hpp"
+#include "gles/object/renderer.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {
@@ -44,6 +45,8 @@ struct BenchSize {
 };
 
 BenchScene make_bench_scene(const BenchSize& size = {});
+// Its building's layer drawn, as before each picture.
+Result<Renderer> drawn_by_renderer(GlContext& context, const BenchScene& scene);
 // The same facade alone.
 Model make_bench_facade(const BenchSize& size);
 

@@ -2,7 +2,6 @@
 #include "capture/codec/dimmed_picture.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "gles/object/renderer.hpp"
 #include "pipeline/lab/bench/gles.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
@@ -21,11 +20,8 @@ Result<std::vector<BenchRow>> bench_visitor() {
   const BenchScene scene = make_bench_scene();
   auto offscreen = Offscreen::create((*context)->info(), scene.view.width, scene.view.height);
   if (!offscreen) return fail(offscreen.error());
-  auto renderer = Renderer::create(**context);
+  auto renderer = drawn_by_renderer(**context, scene);
   if (!renderer) return fail(renderer.error());
-  if (auto set = renderer->set_model(scene.facade); !set) return fail(set.error());
-  if (auto set = renderer->set_view(scene.view, scene.model_to_world); !set) return fail(set.error());
-  if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
   DimmedPicture dimmed;
   const auto draw = [&](bool dims, double bare) {
     return [&, dims, bare]() -> Result<> {
