@@ -196,11 +196,37 @@ std::optional<PictureHeader> fits_header(HeaderBytes file) {
   return PictureHeader{"FITS", side("NAXIS1"), side("NAXIS2")};
 }
 
+// The largest of the sizes that it names (ISO/IEC 23008-12, 6.5.3): others are of tiles and thumbnails.
+std::optional<PictureHeader> heif_header(HeaderBytes file) {
+  if (!is_heif(file)) return std::nullopt;
+  constexpr std::string_view kSize = "ispe";
+  constexpr std::size_t kWithinBytes = 1 << 20;  // the box of sizes stands before the samples
+  const auto within = file.first(std::min(file.size(), kWithinBytes));
+  PictureHeader header{"HEIF"};
+  for (auto at = within.begin();; at += kSize.size()) {
+    at = std::search(at, within.end(), kSize.begin(), kSize.end());
+    const auto place = static_cast<std::size_t>(at - within.begin()) + kSize.size() + 4;  // behind version and flags
+    if (place + 8 > within.size()) return header;
+    const auto width = static_cast<std::int64_t>(number(file, place, 4, ByteOrder::big)),
+               height = static_cast<std::int64_t>(number(file, place + 4, 4, ByteOrder::big));
+    if (std::max(width, height) > std::max(header.width, header.height)) header.width = width, header.height = height;
+  }
+}
+
 }  // namespace
 
+bool is_heif(std::span<const std::uint8_t> file) {
+  if (file.size() < 16 || !begins(file.subspan(4), "ftyp")) return false;
+  const auto brands = std::min<std::size_t>(number(file, 0, 4, ByteOrder::big), file.size());
+  for (std::size_t at = 8; at + 4 <= brands; at += at == 8 ? 8 : 4)  // the first has a version behind it
+    for (const auto* brand : {"heic", "heix", "heim", "heis", "mif1", "avif"})
+      if (begins(file.subspan(at), brand)) return true;
+  return false;
+}
+
 std::optional<PictureHeader> picture_header(std::span<const std::uint8_t> file) {
-  for (const auto read :
-       {png_header, jpeg_header, tiff_header, exr_header, bmp_header, webp_header, fits_header, text_header})
+  for (const auto read : {png_header, jpeg_header, tiff_header, exr_header, bmp_header, webp_header, fits_header,
+                          heif_header, text_header})
     if (auto header = read(file)) return header;
   return std::nullopt;
 }

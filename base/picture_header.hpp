@@ -12,12 +12,15 @@
 namespace kasumi {
 
 struct PictureHeader {
-  std::string_view format;  // "PNG", "JPEG", "TIFF", "PNM", "PFM", "EXR", "HDR", "BMP", "WebP", "FITS"
+  std::string_view format;  // "PNG", "JPEG", "TIFF", "PNM", "PFM", "EXR", "HDR", "BMP", "WebP", "FITS", "HEIF"
   std::int64_t width = 0, height = 0;
   std::int64_t tile_pixels = 0;  // of one tile or strip of a TIFF: it is decoded as a whole
 
   bool is(int wanted_width, int wanted_height) const { return width == wanted_width && height == wanted_height; }
 };
+
+// HEIC or AVIF, a picture of its own and no film.
+bool is_heif(std::span<const std::uint8_t> file);
 
 // Empty: none of these formats, or damaged where its size stands. No other picture is handed to a decoder.
 std::optional<PictureHeader> picture_header(std::span<const std::uint8_t> file);

@@ -3,23 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 
 #include <lcms2.h>
 #include <opencv2/imgproc.hpp>
+
+#include "base/c_ptr.hpp"
 
 namespace kasumi {
 
 namespace {
 
-struct CloseProfile {
-  void operator()(void* profile) const { cmsCloseProfile(profile); }
-};
-struct DeleteTransform {
-  void operator()(void* transform) const { cmsDeleteTransform(transform); }
-};
-using ProfilePtr = std::unique_ptr<void, CloseProfile>;
-using TransformPtr = std::unique_ptr<void, DeleteTransform>;
+using ProfilePtr = CPtr<void, cmsCloseProfile>;
+using TransformPtr = CPtr<void, cmsDeleteTransform>;
+using CurvePtr = CPtr<cmsToneCurve, cmsFreeToneCurve>;
 
 // Whether it leaves all colours within half a step of 255 of where they are.
 bool changes_nothing(cmsHTRANSFORM transform) {
@@ -41,6 +37,15 @@ std::string text_of_space(cmsColorSpaceSignature space) {
   return space == cmsSigCmykData   ? "four inks, as for print"
          : space == cmsSigGrayData ? "grey"
                                    : "other colours than R, G, B";
+}
+
+// Empty: there is no profile, or none that can be saved.
+std::vector<std::uint8_t> bytes_of(const ProfilePtr& profile) {
+  cmsUInt32Number size = 0;
+  if (!profile || !cmsSaveProfileToMem(profile.get(), nullptr, &size)) return {};
+  std::vector<std::uint8_t> bytes(size);
+  if (!cmsSaveProfileToMem(profile.get(), bytes.data(), &size)) return {};
+  return bytes;
 }
 
 }  // namespace
@@ -85,12 +90,18 @@ std::string profile_to_srgb(cv::Mat& picture, std::span<const std::uint8_t> byte
   return {};
 }
 
+std::vector<std::uint8_t> profile_of_primaries(glm::vec2 red, glm::vec2 green, glm::vec2 blue) {
+  const cmsCIExyY d65{0.3127, 0.3290, 1.0};
+  const cmsCIExyYTRIPLE primaries{{red.x, red.y, 1.0}, {green.x, green.y, 1.0}, {blue.x, blue.y, 1.0}};
+  const std::array<double, 5> kSrgb{2.4, 1.0 / 1.055, 0.055 / 1.055, 1.0 / 12.92, 0.04045};  // IEC 61966-2-1
+  const CurvePtr curve(cmsBuildParametricToneCurve(nullptr, 4, kSrgb.data()));
+  if (!curve) return {};
+  cmsToneCurve* curves[] = {curve.get(), curve.get(), curve.get()};
+  return bytes_of(ProfilePtr(cmsCreateRGBProfile(&d65, &primaries, curves)));
+}
+
 std::vector<std::uint8_t> profile_of_srgb() {
-  const ProfilePtr srgb(cmsCreate_sRGBProfile());
-  cmsUInt32Number size = 0;
-  if (!srgb || !cmsSaveProfileToMem(srgb.get(), nullptr, &size)) return {};
-  std::vector<std::uint8_t> bytes(size);
-  if (!cmsSaveProfileToMem(srgb.get(), bytes.data(), &size)) return {};
+  auto bytes = bytes_of(ProfilePtr(cmsCreate_sRGBProfile()));
   // The same bytes every time: lcms2 notes when it was made (ICC.1, 7.2.8).
   constexpr std::array<std::uint8_t, 12> kWhen{0x07, 0xd0, 0, 1, 0, 1};
   if (bytes.size() > 36) std::ranges::copy(kWhen, bytes.begin() + 24);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <opencv2/core.hpp>
 
 namespace kasumi {
@@ -15,6 +16,8 @@ namespace kasumi {
 // where it is of floats, which are light. Returns what is wrong; empty: nothing.
 std::string profile_to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile);
 
+// Of these primaries (x, y of the CIE 1931), white of D65 and the curve of sRGB. Empty: none can be made.
+std::vector<std::uint8_t> profile_of_primaries(glm::vec2 red, glm::vec2 green, glm::vec2 blue);
 std::vector<std::uint8_t> profile_of_srgb();  // empty: none can be made
 
 }  // namespace kasumi

@@ -17,12 +17,15 @@ cv::Mat matrix_of(const DecodedFile& file) {
       .clone();
 }
 
-// R G B (A); empty: no picture can be made of it.
-Result<cv::Mat> decode_rare(std::span<const std::uint8_t> bytes) {
+// R G B (A).
+Result<cv::Mat> decode_rare(const PictureHeader& header, std::span<const std::uint8_t> bytes) {
   const auto files = rare_files();
   if (!files) return fail(files.error());
   try {
-    cv::Mat image = (*files)->decode(bytes);
+    cv::Mat image = header.format == "HEIF" ? (*files)->decode_heif(bytes) : (*files)->decode(bytes);
+    if (image.empty())
+      return fail(FaultKind::bad_input,
+                  "not a picture that can be read: damaged, an animation, or samples of a rare kind");
     if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2RGB);
     if (image.channels() == 4) cv::cvtColor(image, image, cv::COLOR_BGRA2RGBA);
     return image;
@@ -35,10 +38,10 @@ Result<cv::Mat> decode_rare(std::span<const std::uint8_t> bytes) {
 
 // A JPEG of four colours is left to OpenCV.
 Result<cv::Mat> decode_picture_file(const PictureHeader& header, std::span<const std::uint8_t> bytes) {
-  if (header.format != "PNG" && header.format != "JPEG") return decode_rare(bytes);
+  if (header.format != "PNG" && header.format != "JPEG") return decode_rare(header, bytes);
   const auto decoded = header.format == "PNG" ? decode_png(bytes) : decode_jpeg_file(bytes);
   if (decoded) return matrix_of(*decoded);
-  if (decoded.error().kind == FaultKind::unsupported) return decode_rare(bytes);
+  if (decoded.error().kind == FaultKind::unsupported) return decode_rare(header, bytes);
   return fail(FaultKind::bad_input, "not a picture that can be read: {}", decoded.error().message);
 }
 

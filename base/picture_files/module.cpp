@@ -3,12 +3,14 @@
 
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
 #include "base/fits_header.hpp"
 #include "base/picture_files/colour_profile.hpp"
 #include "base/picture_files/exr_channels.hpp"
 #include "base/picture_files/fits_picture.hpp"
+#include "base/picture_files/heif_picture.hpp"
 #include "base/picture_files/rare_files.hpp"
 
 namespace kasumi {
@@ -54,7 +56,11 @@ class OpenCvFiles final : public RareFiles {
     if (is_fits(file)) return read_fits(file);
     // OpenCV only reads from it.
     const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
-    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+    cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
+    // OpenCV 4.6 gives a PAM's channels as the file has them, R first.
+    if (file.size() > 2 && file[0] == 'P' && file[1] == '7' && picture.channels() >= 3)
+      cv::cvtColor(picture, picture, picture.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
+    return picture;
   }
   std::vector<std::string> exr_channels(std::span<const std::uint8_t> file) const override {
     return names_of_exr_channels(file);
@@ -62,6 +68,8 @@ class OpenCvFiles final : public RareFiles {
   cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const override {
     return read_exr_channel(file, name);
   }
+  cv::Mat decode_heif(std::span<const std::uint8_t> file) const override { return read_heif(file); }
+  PictureTags heif_tags(std::span<const std::uint8_t> file) const override { return read_heif_tags(file); }
   std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const override {
     return profile_to_srgb(picture, profile);
   }

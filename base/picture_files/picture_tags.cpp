@@ -8,6 +8,9 @@
 
 #include <zlib.h>
 
+#include "base/picture_files/rare_files.hpp"
+#include "base/picture_files/tiff_directory.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -19,47 +22,29 @@ bool tag_begins(TagBytes bytes, std::string_view with) {
   return bytes.size() >= with.size() && std::memcmp(bytes.data(), with.data(), with.size()) == 0;
 }
 
-// 0 beyond the end.
-std::uint32_t tag_number(TagBytes bytes, std::size_t at, int count, bool big_endian) {
-  if (at > bytes.size() || bytes.size() - at < static_cast<std::size_t>(count)) return 0;
-  std::uint32_t value = 0;
-  for (int i = 0; i < count; ++i)
-    value = value << 8 | bytes[at + static_cast<std::size_t>(big_endian ? i : count - 1 - i)];
-  return value;
-}
-
 std::vector<std::uint8_t> copied(TagBytes bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
 // The first directory of a TIFF: orientation, and a profile where there is one.
-void read_directory(TagBytes tiff, PictureTags& tags) {
-  const bool big = tag_begins(tiff, "MM");
-  if ((!big && !tag_begins(tiff, "II")) || tag_number(tiff, 2, 2, big) != 42) return;
-  const std::size_t at = tag_number(tiff, 4, 4, big);
-  const auto entries = tag_number(tiff, at, 2, big);
-  for (std::uint32_t i = 0; i < entries; ++i) {
-    const auto entry = at + 2 + 12 * std::size_t{i};
-    if (entry + 12 > tiff.size()) return;
-    const auto tag = tag_number(tiff, entry, 2, big), type = tag_number(tiff, entry + 2, 2, big),
-               count = tag_number(tiff, entry + 4, 4, big);
-    if (tag == 0x0112 && type == 3) {
-      const auto orientation = tag_number(tiff, entry + 8, 2, big);
-      if (orientation >= 1 && orientation <= 8) tags.orientation = static_cast<int>(orientation);
-    }
-    const std::size_t from = tag_number(tiff, entry + 8, 4, big);
-    if (tag == 34675 && count > 4 && from <= tiff.size() && count <= tiff.size() - from)
-      tags.profile = copied(tiff.subspan(from, count));
+std::vector<TiffEntry> read_first_directory(TagBytes tiff, const TiffStart& start, PictureTags& tags) {
+  auto entries = read_tiff_directory(tiff, start.directory, start.is_big_endian);
+  if (const auto* turned = find_entry(entries, 0x0112)) {
+    const auto orientation = first_number(*turned, start.is_big_endian);
+    if (orientation >= 1 && orientation <= 8) tags.orientation = static_cast<int>(orientation);
   }
+  if (const auto* profile = find_entry(entries, kTiffProfile); profile && profile->count > 4)
+    tags.profile = profile->bytes;
+  return entries;
 }
 
 void read_exif(TagBytes exif, PictureTags& tags) {
   if (tag_begins(exif, std::string_view("Exif\0\0", 6))) exif = exif.subspan(6);
   if (exif.size() < 8 || exif.size() > kLargestExif) return;
   tags.exif = copied(exif);
-  const auto profile = std::move(tags.profile);
-  read_directory(exif, tags);
-  tags.profile = profile;
+  PictureTags read;
+  if (const auto start = tiff_start(exif)) read_first_directory(exif, *start, read);
+  tags.orientation = read.orientation;  // EXIF has no profile
 }
 
 PictureTags jpeg_tags(TagBytes file) {
@@ -77,7 +62,7 @@ PictureTags jpeg_tags(TagBytes file) {
       at += 2;
       continue;
     }
-    const std::size_t length = tag_number(file, at + 2, 2, true);
+    const std::size_t length = tiff_number(file, at + 2, 2, true);
     if (length < 2 || length > file.size() - at - 2) break;
     const auto content = file.subspan(at + 4, length - 2);
     if (marker == 0xe1 && tag_begins(content, kExif) && tags.exif.empty()) read_exif(content, tags);
@@ -109,7 +94,7 @@ std::vector<std::uint8_t> inflated(TagBytes packed) {
 PictureTags png_tags(TagBytes file) {
   PictureTags tags;
   for (std::size_t at = 8; at + 12 <= file.size();) {
-    const std::size_t length = tag_number(file, at, 4, true);
+    const std::size_t length = tiff_number(file, at, 4, true);
     if (length > file.size() - at - 12) break;
     const auto name = file.subspan(at + 4, 4), content = file.subspan(at + 8, length);
     if (tag_begins(name, "eXIf")) read_exif(content, tags);
@@ -126,7 +111,7 @@ PictureTags png_tags(TagBytes file) {
 PictureTags webp_tags(TagBytes file) {
   PictureTags tags;
   for (std::size_t at = 12; at + 8 <= file.size();) {
-    const std::size_t length = tag_number(file, at + 4, 4, false);
+    const std::size_t length = tiff_number(file, at + 4, 4, false);
     if (length > file.size() - at - 8) break;
     const auto name = file.subspan(at, 4), content = file.subspan(at + 8, length);
     if (tag_begins(name, "EXIF")) read_exif(content, tags);
@@ -138,7 +123,15 @@ PictureTags webp_tags(TagBytes file) {
 
 PictureTags tiff_tags(TagBytes file) {
   PictureTags tags;
-  read_directory(file, tags);
+  const auto start = tiff_start(file);
+  if (!start) return tags;
+  const bool big = start->is_big_endian;
+  const auto entries = read_first_directory(file, *start, tags);
+  std::vector<std::uint8_t> exif = copied(file.first(8));
+  if (auto pointers = copy_exif(file, entries, exif, big); !pointers.empty()) {
+    set_first_directory(exif, append_tiff_directory(exif, std::move(pointers), big), big);
+    if (exif.size() <= kLargestExif) tags.exif = std::move(exif);
+  }
   return tags;
 }
 
@@ -150,6 +143,11 @@ Result<PictureTags> picture_tags(const PictureHeader& header, std::span<const st
   if (header.format == "PNG") tags = png_tags(file);
   if (header.format == "WebP") tags = webp_tags(file);
   if (header.format == "TIFF") tags = tiff_tags(file);
+  if (header.format == "HEIF") {
+    const auto files = rare_files();
+    if (!files) return fail(files.error());
+    tags = (*files)->heif_tags(file);
+  }
   if (tags.profile.size() > kLargestProfile)
     return fail(FaultKind::bad_input, "a colour profile of more than {} bytes", kLargestProfile);
   return tags;

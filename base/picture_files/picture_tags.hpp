@@ -1,5 +1,5 @@
 // What a picture's file says beside its samples: how it is to be turned, what its colours mean, when and where it was
-// taken. JPEG, PNG, TIFF, WebP.
+// taken. JPEG, PNG, TIFF, WebP, HEIF.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,10 @@ struct PictureTags {
   std::vector<std::uint8_t> exif;     // a TIFF of tags, from its "II" or "MM" on; empty: none
 };
 
-// Damaged tags are left out; a profile of more than 4 MB is refused (bad_input).
+constexpr std::uint16_t kTiffProfile = 34675;  // the tag of an ICC profile
+
+// Damaged tags are left out; a profile of more than 4 MB is refused (bad_input). Errors also: unsupported (HEIF, and the
+// module is not there).
 Result<PictureTags> picture_tags(const PictureHeader& header, std::span<const std::uint8_t> file);
 
 }  // namespace kasumi

@@ -1,5 +1,5 @@
-// Films, and the picture formats that the appliance does not need: TIFF, EXR, HDR, WebP, PNM, FITS. OpenCV reads and
-// writes them by some two hundred libraries, so they stand in a module beside the program, which is loaded when the
+// Films, and the picture formats that the appliance does not need: TIFF, EXR, HDR, WebP, PNM, FITS, HEIF. OpenCV reads
+// and writes them by some two hundred libraries, so they stand in a module beside the program, which is loaded when the
 // first such file is asked for.
 #pragma once
 
@@ -11,6 +11,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "base/picture_files/picture_tags.hpp"
 #include "base/result.hpp"
 
 namespace kasumi {
@@ -39,6 +40,9 @@ class RareFiles {
   virtual std::vector<std::string> exr_channels(std::span<const std::uint8_t> file) const = 0;
   // One of them as floats; empty: it cannot be read.
   virtual cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const = 0;
+  virtual cv::Mat decode_heif(std::span<const std::uint8_t> file) const = 0;
+  // What stands beside its samples.
+  virtual PictureTags heif_tags(std::span<const std::uint8_t> file) const = 0;
   // From an ICC profile's colours to sRGB (colour_profile.hpp). What is wrong; empty: nothing.
   virtual std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const = 0;
   // sRGB's, as ICC profile.

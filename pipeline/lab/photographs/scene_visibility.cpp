@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
 #include "estimator/photograph/other_air.hpp"
 #include "pipeline/site/config/descriptions.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
+#include "pipeline/site/files/picture_source.hpp"
 
 namespace kasumi {
 namespace {
@@ -16,18 +17,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::vector<std::filesystem::path> files_of(const std::vector<std::filesystem::path>& given) {
-  static const std::set<std::string> kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".ppm"};
   std::vector<std::filesystem::path> files;
   for (const auto& path : given) {
     std::error_code error;
-    if (!std::filesystem::is_directory(path, error)) {
+    if (std::filesystem::is_directory(path, error))
+      std::ranges::move(pictures_in(path), std::back_inserter(files));
+    else
       files.push_back(path);
-      continue;
-    }
-    const auto from = files.size();
-    for (const auto& entry : std::filesystem::directory_iterator(path, error))
-      if (kPictures.count(entry.path().extension().string()) > 0) files.push_back(entry.path());
-    std::sort(files.begin() + static_cast<std::ptrdiff_t>(from), files.end());
   }
   return files;
 }

@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
 #include "base/fits_header.hpp"
+#include "base/picture_files/other_kinds.hpp"
 #include "base/picture_files/picture_file.hpp"
+#include "base/picture_files/picture_tags.hpp"
 #include "base/picture_files/rare_files.hpp"
 #include "base/picture_files/seen_picture.hpp"
+#include "base/picture_files/tiff_directory.hpp"
 #include "base/picture_header.hpp"
 #include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
@@ -29,6 +33,8 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
 Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage, TakenAt* taken) {
   const auto bytes = read_picture_bytes(path);
   if (!bytes) return fail(bytes.error());
+  if (const auto other = other_kind(*bytes); !other.empty())
+    return fail(FaultKind::bad_input, "{}: {}", path.string(), other);
   const auto header = picture_header(*bytes);
   if (header)
     if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
@@ -40,8 +46,8 @@ Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* 
     image = std::move(*decoded);
   }
   if (image.picture.empty())
-    return fail(FaultKind::bad_input, "{}: not a picture that can be read (expected PNG, JPEG, TIFF, PNM or FITS)",
-                path.string());
+    return fail(FaultKind::bad_input,
+                "{}: not a picture that can be read: expected PNG, JPEG, TIFF, WebP, HEIC, PNM or FITS", path.string());
   if (taken) *taken = is_fits(*bytes) ? taken_at(*bytes) : taken_by_exif(image.exif);
   // Decoders make grey of what is missing, without a word.
   if (damage) damage->clear();
@@ -63,46 +69,25 @@ Image<glm::vec<3, T>> rounded(const Image<glm::vec3>& encoded, float largest) {
   return picture;
 }
 
-// The TIFF with an ICC profile. OpenCV writes none: its directory of tags is written once more at the end, with one more.
-std::vector<std::uint8_t> with_profile(std::vector<std::uint8_t> tiff, const std::vector<std::uint8_t>& profile) {
-  constexpr std::size_t kEntry = 12;
-  constexpr std::uint16_t kProfileTag = 34675, kUndefined = 7;
-  const auto read = [&](std::size_t at, int bytes) {
-    std::size_t value = 0;
-    for (int i = 0; i < bytes; ++i) value |= std::size_t{tiff[at + static_cast<std::size_t>(i)]} << 8 * i;
-    return value;
-  };
-  const bool plain = tiff.size() > 8 && read(0, 4) == 0x002a4949;  // "II", little-endian, not BigTIFF
-  const std::size_t from = plain ? read(4, 4) : 0, count = plain && from + 2 <= tiff.size() ? read(from, 2) : 0;
-  const std::size_t to = from + 2 + kEntry * count;
-  if (profile.empty() || count == 0 || to + 4 > tiff.size() || read(to, 4) != 0) return tiff;
-  std::size_t before = from + 2;  // the entries that come first: they are in the order of their tags
-  while (before < to && read(before, 2) < kProfileTag) before += kEntry;
-  std::vector<std::uint8_t> made(tiff);
-  const auto put = [&](std::size_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) made.push_back(static_cast<std::uint8_t>(value >> 8 * i));
-  };
-  const auto copy = [&](std::size_t first, std::size_t last) {
-    made.insert(made.end(), tiff.begin() + static_cast<std::ptrdiff_t>(first),
-                tiff.begin() + static_cast<std::ptrdiff_t>(last));
-  };
-  const std::size_t place = made.size();
-  made.insert(made.end(), profile.begin(), profile.end());
-  if (made.size() % 2 != 0) made.push_back(0);
-  const std::size_t directory = made.size();
-  put(count + 1, 2);
-  copy(from + 2, before);
-  put(kProfileTag, 2);
-  put(kUndefined, 2);
-  put(profile.size(), 4);
-  put(place, 4);
-  copy(before, to + 4);
-  for (std::size_t i = 0; i < 4; ++i) made[4 + i] = static_cast<std::uint8_t>(directory >> 8 * i);
-  return made;
+// The TIFF with an ICC profile and EXIF's directories, of which OpenCV writes none: its own directory is written once
+// more at the end. `exif`: little-endian, as OpenCV's TIFFs are.
+std::vector<std::uint8_t> with_tags(std::vector<std::uint8_t> tiff, std::vector<std::uint8_t> profile,
+                                    const std::vector<std::uint8_t>& exif) {
+  const auto start = tiff_start(tiff);
+  if (!start || start->is_big_endian) return tiff;
+  auto entries = read_tiff_directory(tiff, start->directory, false);
+  constexpr std::uint16_t kUndefined = 7;
+  const auto profile_size = static_cast<std::uint32_t>(profile.size());
+  if (profile_size > 0) entries.push_back({kTiffProfile, kUndefined, profile_size, std::move(profile)});
+  if (const auto origin = tiff_start(exif); origin && !origin->is_big_endian)
+    std::ranges::move(copy_exif(exif, read_tiff_directory(exif, origin->directory, false), tiff, false),
+                      std::back_inserter(entries));
+  set_first_directory(tiff, append_tiff_directory(tiff, std::move(entries), false), false);
+  return tiff;
 }
 
 template <class T>
-Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture) {
+Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture, const PictureMarks& marks) {
   const auto files = rare_files();
   if (!files) return fail(files.error());
   const cv::Mat rgb(picture.height(), picture.width(), CV_MAKETYPE(cv::DataType<T>::depth, 3),
@@ -115,7 +100,7 @@ Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& pictu
   } catch (const cv::Exception& error) {
     return fail(FaultKind::io, "{}", error.err);
   }
-  return with_profile(std::move(bytes), (*files)->srgb_profile());
+  return with_tags(std::move(bytes), (*files)->srgb_profile(), marks.exif);
 }
 
 // Behind JFIF's own segment, or first.
@@ -192,11 +177,11 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
     const bool tiff = !jpeg && extension != ".png";
     if (fine) {
       const auto picture = rounded<std::uint16_t>(encoded, 65535.0F);
-      return tiff ? encode_tiff(picture) : encode_png(picture, marks);
+      return tiff ? encode_tiff(picture, marks) : encode_png(picture, marks);
     }
     const auto picture = rounded<std::uint8_t>(encoded, 255.0F);
     if (jpeg) return with_exif(encode_jpeg(picture, kJpegQuality, ChromaSubsampling::s420), marks.exif);
-    return tiff ? encode_tiff(picture) : encode_png(picture, marks);
+    return tiff ? encode_tiff(picture, marks) : encode_png(picture, marks);
   };
   const auto bytes = encode();
   if (!bytes) return fail(bytes.error().kind, "{}: cannot be encoded: {}", path.string(), bytes.error().message);

@@ -52,7 +52,6 @@ void add_place(ExifEntry* entry, void* copying) {
 std::vector<std::uint8_t> time_and_place(std::span<const std::uint8_t> exif, bool always) {
   const OriginPtr made(exif_data_new());
   if (!made) return {};
-  exif_data_set_byte_order(made.get(), EXIF_BYTE_ORDER_INTEL);
   Copying copying{made.get(), 0};
   if (!exif.empty()) {
     std::vector<std::uint8_t> headed{'E', 'x', 'i', 'f', 0, 0};
@@ -75,6 +74,7 @@ std::vector<std::uint8_t> time_and_place(std::span<const std::uint8_t> exif, boo
   exif_entry_initialize(space, EXIF_TAG_COLOR_SPACE);
   exif_set_short(space->data, exif_data_get_byte_order(made.get()), 1);  // sRGB
   exif_entry_unref(space);
+  exif_data_set_byte_order(made.get(), EXIF_BYTE_ORDER_INTEL);
   unsigned char* bytes = nullptr;
   unsigned int size = 0;
   exif_data_save_data(made.get(), &bytes, &size);

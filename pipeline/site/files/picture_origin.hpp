@@ -8,8 +8,8 @@
 namespace kasumi {
 
 // `exif`: a TIFF of tags. Kept are the times, their offsets and the place, by libexif; nothing of the camera, no
-// orientation (it has been applied) and no thumbnail (it shows the other picture). With ColorSpace sRGB. Empty: nothing
-// of that is there and `always` is false.
+// orientation (it has been applied) and no thumbnail (it shows the other picture). With ColorSpace sRGB, little-endian. Empty:
+// nothing of that is there and `always` is false.
 std::vector<std::uint8_t> time_and_place(std::span<const std::uint8_t> exif, bool always = false);
 
 }  // namespace kasumi

@@ -105,8 +105,8 @@ Result<std::unique_ptr<PictureSource>> open_folder(const std::filesystem::path& 
 }  // namespace
 
 bool is_picture_file(const std::filesystem::path& path) {
-  static const std::set<std::string> kPictures{".png", ".jpg", ".jpeg", ".tif", ".tiff",
-                                               ".ppm", ".exr", ".fits", ".fit", ".fts"};
+  static const std::set<std::string> kPictures{".png", ".jpg",  ".jpeg", ".tif", ".tiff", ".ppm",  ".pnm",  ".pam",
+                                               ".exr", ".fits", ".fit",  ".fts", ".webp", ".heic", ".heif", ".avif"};
   return kPictures.count(ending_of(path)) > 0;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <ctime>
 
+#include "base/picture_files/tiff_directory.hpp"
+#include "base/picture_header.hpp"
 #include "pipeline/site/files/archive_members.hpp"
 #include "pipeline/site/files/taken_at.hpp"
 
@@ -41,9 +43,11 @@ std::optional<Utc> picture_time(const std::filesystem::path& file, const Picture
     return parse(with_folders ? file.string() : name, times.format.c_str(), times.utc_offset_h);
   for (const char* usual : kUsual)
     if (const auto utc = parse(name, usual, times.utc_offset_h)) return utc;
-  const auto begin = read_picture_bytes(file, kTakenAtBytes);
-  if (!begin) return std::nullopt;
-  const auto taken = taken_at(*begin);
+  auto bytes = read_picture_bytes(file, kTakenAtBytes);
+  if (bytes && bytes->size() == kTakenAtBytes && (tiff_start(*bytes) || is_heif(*bytes)))
+    bytes = read_picture_bytes(file);  // their tags may stand at the end
+  if (!bytes) return std::nullopt;
+  const auto taken = taken_at(*bytes);
   if (taken.utc || !taken.wall) return taken.utc;
   return *taken.wall - std::chrono::seconds(std::llround(3600.0 * times.utc_offset_h));
 }

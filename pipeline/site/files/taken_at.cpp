@@ -16,6 +16,7 @@
 #include "base/finite_number.hpp"
 #include "base/fits_header.hpp"
 #include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/tiff_directory.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -248,6 +249,8 @@ TakenAt taken_at(std::span<const std::uint8_t> file) {
   if (begins("\xff\xd8")) header.format = "JPEG";
   if (begins("\x89PNG")) header.format = "PNG";
   if (begins("RIFF")) header.format = "WebP";
+  if (tiff_start(file)) header.format = "TIFF";
+  if (is_heif(file)) header.format = "HEIF";
   const auto tags = picture_tags(header, file);
   return tags ? taken_by_exif(tags->exif) : taken;
 }

@@ -1,4 +1,5 @@
-// When and where a picture was taken, as its file says: by EXIF (JPEG, PNG, WebP) or a FITS header.
+// When and where a picture was taken, as its file says: by EXIF (JPEG, PNG, WebP, TIFF, HEIC) or a FITS
+// header.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ struct TakenAt {
   std::optional<Place> place;
 };
 
-// `file`: whole, or its first kTakenAtBytes. EXIF: DateTimeOriginal with OffsetTimeOriginal, else GPS time (UTC); GPS
+// `file`: whole, or of other formats than TIFF and HEIC its first kTakenAtBytes. EXIF: DateTimeOriginal with OffsetTimeOriginal, else GPS time (UTC); GPS
 // position. FITS: DATE-OBS (with TIME-OBS where it is a day), else DATE-BEG, which are UTC unless they or TIMESYS say
 // otherwise; SITELAT, LAT-OBS, OBS-LAT, OBSGEO-B or LATITUDE with their longitudes and elevations in degrees or
 // sexagesimal, or OBSGEO-X, -Y, -Z. A place of 0, 0 is one that nobody set.

@@ -282,19 +282,19 @@ TEST(SeenPicture, WhatIsWrittenSaysSrgbWhenAndWhereAndNoMore) {
   ASSERT_TRUE(write_file(seen_folder() / "taken.jpg",
                          with_segment(encoded(blocks(), ".jpg"), 0xe1, headed("Exif\0\0", 6, camera_exif()))));
   const auto taken = read_photograph(seen_folder() / "taken.jpg").value();
-  for (const char* name : {"made.png", "made.jpg"}) {
+  for (const char* name : {"made.png", "made.jpg", "made.tiff"}) {
     ASSERT_TRUE(write_photograph(seen_folder() / name, taken));
     const auto bytes = read_file(seen_folder() / name).value();
     const std::string text(bytes.begin(), bytes.end());
     EXPECT_THAT(text, HasSubstr("2019:06:21 12:34:56")) << name;
     for (const char* word : {"THUMBNAIL", "Mak"}) EXPECT_THAT(text, testing::Not(HasSubstr(word))) << name;
-    EXPECT_EQ(text.find("sRGB") != std::string::npos, std::string(name) == "made.png") << "a JPEG says it in EXIF";
+    EXPECT_EQ(text.find("sRGB") != std::string::npos, std::string(name) == "made.png")
+        << "a JPEG says it in EXIF, a TIFF by its profile";
     const auto tags = picture_tags(*picture_header(bytes), bytes).value();
     const std::string exif(tags.exif.begin(), tags.exif.end());
-    SeenBytes place;
-    for (const std::uint32_t n : {47u, 1u, 30u, 1u, 15u, 1u}) append_big(place, n, 4);
-    EXPECT_NE(exif.find(std::string(place.begin(), place.end())), std::string::npos) << name;
-    EXPECT_NE(exif.find(std::string("\xa0\x01\0\x03\0\0\0\x01\0\x01", 10)), std::string::npos) << "ColorSpace sRGB";
+    EXPECT_NE(exif.find(std::string("\x01\xa0\x03\0\x01\0\0\0\x01\0", 10)), std::string::npos) << "ColorSpace sRGB";
+    const std::string place("\x2f\0\0\0\1\0\0\0\x1e\0\0\0\1\0\0\0\x0f\0\0\0\1\0\0\0", 24);  // 47/1 30/1 15/1
+    EXPECT_THAT(exif, HasSubstr(place)) << name;
     EXPECT_TRUE(read_photograph(seen_folder() / name)) << "and is a picture";
   }
   const auto when = picture_time(seen_folder() / "made.jpg", {});
