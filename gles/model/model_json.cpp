@@ -4,13 +4,17 @@
 #include <cstring>
 #include <optional>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
 #include "gles/model/gltf_extensions.hpp"
+#include "gles/model/other_models.hpp"
 
 namespace kasumi {
 namespace {
+
+constexpr std::string_view kFromGltf1 = "npx gltf-pipeline -i IN -o OUT.glb converts glTF 1";
 
 std::vector<std::string> names_in(const nlohmann::json& document, const char* key) {
   std::vector<std::string> names;
@@ -117,7 +121,7 @@ Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::stri
   if (file.size() < 4 || std::memcmp(file.data(), "glTF", 4) != 0) return text(0, file.size());
   if (file.size() < 20) return fail(FaultKind::bad_input, "{}: {} bytes are too few for a GLB", name, file.size());
   if (const std::uint32_t version = word(file, 4); version != 2)
-    return fail(FaultKind::bad_input, "{}: GLB container of version {}: expected 2", name, version);
+    return fail(FaultKind::bad_input, "{}: GLB container of version {}: expected 2 ({})", name, version, kFromGltf1);
   if (const std::size_t length = word(file, 8); length > file.size())
     return fail(FaultKind::bad_input, "{}: the GLB says it has {} bytes, the file has {}", name, length, file.size());
   const std::size_t length = word(file, 12);
@@ -131,8 +135,12 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
   if (const int depth = json_depth(json); depth > kDeepest)
     return fail(FaultKind::bad_input, "{}: JSON nested {} deep: expected {} at most", name, depth, kDeepest);
   const auto document = nlohmann::json::parse(json, nullptr, false);
+  const auto other_than = [&](std::string_view expected) {
+    const auto other = other_model(json, name);
+    return fmt::format("{}: {}", name, other.empty() ? expected : other);
+  };
   if (document.is_discarded() || !document.is_object())
-    return fail(FaultKind::bad_input, "{}: neither a GLB nor the JSON of a glTF", name);
+    return fail(FaultKind::bad_input, "{}", other_than("neither a GLB nor the JSON of a glTF"));
 
   Problems problems;
   const auto asset = document.find("asset");
@@ -140,7 +148,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
   if (asset != document.end() && asset->is_object())
     if (const auto at = asset->find("version"); at != asset->end() && at->is_string()) version = at->get<std::string>();
   if (!version.starts_with("2."))
-    problems.add("{}: glTF version \"{}\": expected 2.x (glTF 1 files have to be converted)", name, version);
+    problems.add("{}", other_than(fmt::format("glTF version \"{}\": expected 2.x ({})", version, kFromGltf1)));
   GltfClaims claims;
   claims.extensions = names_in(document, "extensionsUsed");
   for (std::string& wanted : names_in(document, "extensionsRequired")) {

@@ -25,14 +25,6 @@ struct LookArguments {
   std::string model, scene, up = "y", camera, out;
 };
 
-Result<Model> model_in(const fs::path& file, const std::string& scene) {
-  auto model = read_gltf(file, {}, scene);
-  if (model) return model;
-  if (const auto advice = advice_for_file(file); !advice.empty())
-    return fail(FaultKind::bad_input, "{}: {}", file.string(), advice);
-  return model;
-}
-
 // Every file of a folder that is a model by its name, and how many of them can be read.
 Result<int> look_at_folder(const fs::path& folder) {
   static constexpr std::string_view kEndings[]{".glb", ".gltf", ".b3dm", ".i3dm", ".cmpt"};
@@ -48,7 +40,7 @@ Result<int> look_at_folder(const fs::path& folder) {
   std::ranges::sort(files);
   std::size_t whole = 0;
   for (const auto& file : files) {
-    const auto model = model_in(file, "");
+    const auto model = read_gltf(file);
     whole += model.has_value();
     if (!model) {
       fmt::print("refused: {}\n", model.error().message);
@@ -104,7 +96,7 @@ Result<int> look(const LookArguments& arguments) {
     if (arguments.up == "y") up = kiosk->object.placement.up_axis;
     kiosk->object.placement.up_axis = up;
   }
-  const auto model = model_in(arguments.model, arguments.scene);
+  const auto model = read_gltf(arguments.model, {}, arguments.scene);
   if (!model) return fail(model.error());
   fmt::print("{}\n", arguments.model);
   const auto facts = facts_of(*model, up);

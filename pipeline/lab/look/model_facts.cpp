@@ -8,18 +8,10 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "base/files.hpp"
-
 namespace kasumi {
 
 namespace {
 
-constexpr const char* kPointCloud =
-    "a point cloud, which has no surfaces that light could fall on: make a mesh of it first (CloudCompare: Plugins, "
-    "PoissonRecon) and save that";
-constexpr const char* kSplats =
-    "Gaussian splats, which have no surfaces that light could fall on: deliver the mesh that was made of the same "
-    "photographs";
 constexpr double kLargest_m = 300.0;
 constexpr double kFarthest_m = 1000.0;  // from its origin; a site is smaller
 
@@ -143,36 +135,6 @@ ModelFacts facts_of(const Model& model, UpAxis up) {
     facts.doubts.push_back(
         fmt::format("{:.3f} m across: smaller than any building. [object] scale makes it larger", largest));
   return facts;
-}
-
-std::string advice_for_file(const std::filesystem::path& file) {
-  const auto beginning = read_file(file);
-  if (!beginning) return {};
-  const std::string_view bytes(reinterpret_cast<const char*>(beginning->data()),
-                               std::min<std::size_t>(beginning->size(), 2000));
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (bytes.empty()) return "an empty file: copy or download it again";
-  if (bytes.starts_with("version https://git-lfs"))
-    return "only the place of a file that Git LFS keeps elsewhere: git lfs pull brings it";
-  for (const char* page : {"<!DOCTYPE", "<!doctype", "<html"})
-    if (bytes.starts_with(page)) return "a web page: its download brought a message in place of the model";
-  if (bytes.starts_with("b3dm"))
-    return "a tile of 3D Tiles (b3dm): npx 3d-tiles-tools b3dmToGlb -i IN.b3dm -o OUT.glb takes the glTF out of it";
-  if (bytes.starts_with("i3dm"))
-    return "a tile of 3D Tiles (i3dm): npx 3d-tiles-tools convertI3dmToGlb -i IN.i3dm -o OUT.glb makes a glTF with all "
-           "its "
-           "copies";
-  if (bytes.starts_with("cmpt"))
-    return "a tile of several of 3D Tiles (cmpt): npx 3d-tiles-tools splitCmpt -i IN.cmpt -o OUT makes a file of each";
-  if (bytes.starts_with("pnts") || bytes.starts_with("LASF")) return kPointCloud;
-  if (bytes.starts_with("ply") && bytes.find("f_dc_0") != std::string_view::npos) return kSplats;
-  if (bytes.starts_with("ply") && bytes.find("element face") == std::string_view::npos) return kPointCloud;
-  if (ending == ".splat" || ending == ".spz" || ending == ".ksplat") return kSplats;
-  for (const char* other : {".obj", ".ply", ".stl", ".fbx", ".dae", ".3ds"})
-    if (ending == other)
-      return fmt::format("no glTF: assimp export IN{} OUT.glb (Debian: assimp-utils) makes one", ending);
-  return {};
 }
 
 }  // namespace kasumi

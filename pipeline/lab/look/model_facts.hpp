@@ -20,7 +20,4 @@ struct ModelFacts {
 };
 ModelFacts facts_of(const Model& model, UpAxis up);
 
-// Files that are no glTF, but that people bring: what converts them. Empty: none that is known.
-std::string advice_for_file(const std::filesystem::path& file);
-
 }  // namespace kasumi

@@ -102,17 +102,6 @@ TEST(Look, DoubtsAMapsCoordinates) {
               testing::ElementsAre(AllOf(HasSubstr("5420.9 km from its origin"), HasSubstr("exact to 0.32 m"))));
 }
 
-TEST(Look, NamesWhatIsNoModel) {
-  const auto file = test_output_folder() / "no-model.glb";
-  for (const auto& [text, advice] : std::map<std::string, std::string>{
-           {"", "an empty file"},
-           {"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", "git lfs pull"},
-           {"<!DOCTYPE html><html>404</html>", "a web page"}}) {
-    ASSERT_TRUE(write_text_file(file, text));
-    EXPECT_THAT(advice_for_file(file), HasSubstr(advice));
-  }
-}
-
 TEST(Look, TellsSizeTrianglesAndGround) {
   const auto told = ended(0, run_kasumi("look " + (source_folder() / "fixtures/temple.glb").string()));
   EXPECT_THAT(told.out, AllOf(HasSubstr("84.00 m wide (x), 68.20 m deep, 46.20 m high (y up)"),
@@ -209,6 +198,15 @@ TEST(Look, WhatIsNoModelIsRefusedByNameWithWhatConvertsIt) {
   EXPECT_THAT(answer("d.cmpt", "cmpt..."), HasSubstr("npx 3d-tiles-tools splitCmpt -i IN.cmpt -o OUT"));
   EXPECT_THAT(answer("c.las", "LASF..."), HasSubstr("a point cloud"));
   EXPECT_THAT(answer("d.obj", "v 0 0 0\n"), HasSubstr("assimp export IN.obj OUT.glb"));
+  EXPECT_THAT(answer("e.usdz", "PK.."), HasSubstr("a scene of USD"));
+  EXPECT_THAT(answer("tileset.json", R"({"asset":{"version":"1.0"},"geometricError":1})"), HasSubstr("a tileset"));
+  EXPECT_THAT(answer("city.json", R"({"type":"CityJSON"})"), HasSubstr("a model of a city"));
+  EXPECT_THAT(answer("f.blend", "BLENDER-v293"), HasSubstr("Blender's own document"));
+  EXPECT_THAT(answer("g.gltf", R"({"asset":{"version":"1.1"}})"), HasSubstr("npx gltf-pipeline"));
+  EXPECT_THAT(answer("h.glb", ""), HasSubstr("an empty file"));
+  EXPECT_THAT(answer("i.glb", "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\n"),
+              HasSubstr("git lfs pull"));
+  EXPECT_THAT(answer("j.glb", "<!DOCTYPE html><html>404</html>"), HasSubstr("a web page"));
   EXPECT_THAT(answer("e.glb", "text"), HasSubstr("neither a GLB nor the JSON of a glTF"));
 }
 
