@@ -72,9 +72,11 @@ Polynomial distorted_angle(const std::array<double, 4>& k) {
   return {0.0, 1.0, 0.0, k[0], 0.0, k[1], 0.0, k[2], 0.0, k[3]};
 }
 
-// Beyond the polynomial's maximum two angles would share a pixel: the model ends there.
-double reach(const Polynomial& distorted, double largest_angle) {
-  return std::min(largest_angle, first_positive_root(derivative(distorted)).value_or(largest_angle));
+// Beyond the polynomial's maximum two angles would share a pixel: the model ends there. Its slope is a polynomial of the
+// angle's square. A fit asks for this with every step.
+double reach(const std::array<double, 4>& k, double largest_angle) {
+  const double most = largest_angle * largest_angle;
+  return std::sqrt(first_positive_root({1.0, 3.0 * k[0], 5.0 * k[1], 7.0 * k[2], 9.0 * k[3]}, most).value_or(most));
 }
 
 class OpencvFisheyeLens final : public FisheyeLens {
@@ -132,7 +134,7 @@ LensPtr equisolid_lens(glm::dvec2 centre, double focal_px, Radians largest_angle
 
 LensPtr opencv_fisheye_lens(glm::dvec2 focal_px, glm::dvec2 centre, std::array<double, 4> k, Radians largest_angle) {
   const auto distorted = distorted_angle(k);
-  return std::make_shared<OpencvFisheyeLens>(focal_px, centre, distorted, reach(distorted, largest_angle.value));
+  return std::make_shared<OpencvFisheyeLens>(focal_px, centre, distorted, reach(k, largest_angle.value));
 }
 
 }  // namespace kasumi

@@ -40,17 +40,17 @@ Polynomial scaled(Polynomial polynomial, double factor) {
 namespace {
 
 // Between the roots of its derivative a polynomial is monotonic, so that each sign change there is one root.
-std::vector<double> positive_roots(Polynomial polynomial) {
+std::vector<double> positive_roots(Polynomial polynomial, double most) {
   while (!polynomial.empty() && polynomial.back() == 0.0) polynomial.pop_back();
   if (polynomial.size() < 2) return {};
 
   double largest_ratio = 0.0;
   for (const double coefficient : polynomial)
     largest_ratio = std::max(largest_ratio, std::abs(coefficient / polynomial.back()));
-  const double beyond_all_roots = 1.0 + largest_ratio;  // Cauchy's bound
+  const double beyond_all_roots = std::min(most, 1.0 + largest_ratio);  // Cauchy's bound
 
   const auto slope = derivative(polynomial);
-  auto turns = positive_roots(slope);
+  auto turns = positive_roots(slope, beyond_all_roots);
   turns.push_back(beyond_all_roots);
 
   std::vector<double> roots;
@@ -70,8 +70,8 @@ std::vector<double> positive_roots(Polynomial polynomial) {
 
 }  // namespace
 
-std::optional<double> first_positive_root(const Polynomial& polynomial) {
-  const auto roots = positive_roots(polynomial);
+std::optional<double> first_positive_root(const Polynomial& polynomial, double most) {
+  const auto roots = positive_roots(polynomial, most);
   if (roots.empty()) return std::nullopt;
   return roots.front();
 }

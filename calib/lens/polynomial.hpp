@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,9 @@ Polynomial sum(const Polynomial& a, const Polynomial& b);
 Polynomial product(const Polynomial& a, const Polynomial& b);
 Polynomial scaled(Polynomial polynomial, double factor);
 
-// The smallest x > 0 where the polynomial changes its sign.
-std::optional<double> first_positive_root(const Polynomial& polynomial);
+// The smallest x > 0, up to `most`, where the polynomial changes its sign.
+std::optional<double> first_positive_root(const Polynomial& polynomial,
+                                          double most = std::numeric_limits<double>::infinity());
 
 // The x of [low, high] where a function that increases there takes a value: Newton's steps, and a halving of the
 // bracket wherever Newton would leave it or is slow, so that it always arrives.

@@ -23,6 +23,12 @@ TEST(Polynomial, APolynomialWithoutPositiveRootHasNone) {
   EXPECT_FALSE(first_positive_root({}));
 }
 
+TEST(Polynomial, ARootIsSoughtUpToThere) {
+  const auto polynomial = with_roots({3.0, 5.0, 900.0}, -2.0);
+  EXPECT_FALSE(first_positive_root(polynomial, 2.0));
+  for (const double most : {3.5, 7.0, 1e6}) EXPECT_NEAR(first_positive_root(polynomial, most).value(), 3.0, 1e-12);
+}
+
 TEST(Polynomial, LeadingZerosDoNotHideARoot) {
   EXPECT_NEAR(first_positive_root({-6.0, 2.0, 0.0, 0.0}).value(), 3.0, 1e-12);
 }
