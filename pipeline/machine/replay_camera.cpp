@@ -24,7 +24,7 @@ class LiveRecording final : public FrameSource {
       source_ = std::move(*source);
     }
     auto due = source_->due();
-    for (; due && clock_.now() - *due > kMaxLateness; due = source_->due()) (void)source_->next(clock_.now());
+    for (; due && clock_.now() - *due > kMaxLateness; due = source_->due()) source_->skip();
     auto frame = source_->next(deadline);
     if (!frame) return frame;
     auto& captured_at = frame->metadata.captured_at;
