@@ -41,8 +41,7 @@ class FolderLock {
   int fd_;
 };
 
-// This generator's folder. What others made is removed when nothing has looked there for a week.
-fs::path store() {
+fs::path open_store() {
   const auto folder = made_once_folder();
   std::error_code failed;
   const bool fresh = fs::create_directories(folder, failed);
@@ -56,12 +55,16 @@ fs::path store() {
 
 }  // namespace
 
+fs::path made_once_store() {
+  static const fs::path kStore = open_store();
+  return kStore;
+}
+
 fs::path made_once(const std::string& name, const std::string& description,
                    const std::function<bool(const fs::path&)>& make) {
-  static const fs::path kStore = store();
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(fnv1a(description)));
-  const auto folder = kStore / (name + "-" + hash);
+  const auto folder = made_once_store() / (name + "-" + hash);
   if (fs::exists(folder)) return folder;
   const FolderLock lock(folder.string() + ".lock");
   if (fs::exists(folder)) return folder;

@@ -16,4 +16,8 @@ namespace kasumi {
 std::filesystem::path made_once(const std::string& name, const std::string& description,
                                 const std::function<bool(const std::filesystem::path&)>& make);
 
+// Where all that lies, and the generator's tables of skies (fixtures/light/kept_tables.hpp). What another generator made
+// is removed when nothing has looked there for a week.
+std::filesystem::path made_once_store();
+
 }  // namespace kasumi

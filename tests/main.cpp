@@ -1,11 +1,14 @@
 // Runs a test program's tests. What its process and the programs it started took of the processors stands in the results
 // (processor_s), which tests/summary reads.
 #include <cstdio>
+#include <cstdlib>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sys/resource.h>
+
+#include "tests/made_once.hpp"
 
 namespace {
 
@@ -29,6 +32,7 @@ class ProcessorTime : public testing::Environment {
 }  // namespace
 
 int main(int count, char** arguments) {
+  ::setenv("KASUMI_SKY_TABLES", kasumi::made_once_store().c_str(), 0);
   testing::InitGoogleMock(&count, arguments);
   testing::AddGlobalTestEnvironment(new ProcessorTime);
   return RUN_ALL_TESTS();
