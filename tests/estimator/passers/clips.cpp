@@ -8,7 +8,14 @@ namespace kasumi {
 const PassersLook& Clip::show(Passers& watch, double seconds, const Before& before) {
   cutout_ = fixtures::Cutout(kClipWidth, kClipHeight, glm::vec4{0.0F});
   if (before) before(cutout_, seconds);
-  picture_ = land_.film(seconds, before ? &cutout_ : nullptr);
+  const bool empty = std::ranges::all_of(cutout_.elements(), [](const auto& pixel) { return pixel.a == 0.0F; });
+  if (empty) {
+    auto& filmed = empty_[seconds];
+    if (filmed.empty()) filmed = land_.film(seconds);
+    picture_ = filmed;
+  } else {
+    picture_ = land_.film(seconds, &cutout_);
+  }
   if (spoil) spoil(picture_, seconds);
   if (jpeg_quality >= 100) return watch.look(view_of(picture_), at(seconds));
   const auto frame = encode_frame(picture_, parse_four_cc("MJPG").value(), {.jpeg_quality = jpeg_quality});

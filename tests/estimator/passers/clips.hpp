@@ -2,7 +2,7 @@
 #pragma once
 
 #include <functional>
-#include <vector>
+#include <map>
 
 #include "capture/codec/encode.hpp"
 #include "estimator/passers/passers.hpp"
@@ -46,6 +46,7 @@ class Clip {
 
  private:
   fixtures::LitLand land_;
+  std::map<double, Image<Rgb8>> empty_;  // filmed before, by their seconds: most of the time goes into that
   fixtures::Cutout cutout_;
   Image<Rgb8> picture_;
 };
