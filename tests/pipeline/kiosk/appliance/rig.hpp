@@ -85,6 +85,14 @@ class BenchDevices final : public Devices {
   std::vector<std::unique_ptr<Served>> inputs_;
 };
 
+// Of sky and horizon, over a long time in which the picture counts and the air does not.
+constexpr Duration kSeldom = 1min;
+inline SkyWatchOptions observing_seldom() {
+  SkyWatchOptions sky;
+  sky.observe_every = kSeldom;
+  return sky;
+}
+
 struct RigOptions {
   std::string name = "rig";  // of its folder
   std::string clock_policy = "trusted";

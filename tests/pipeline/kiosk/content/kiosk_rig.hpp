@@ -14,7 +14,7 @@ inline constexpr Duration kStep = 5s;  // of a long time
 // The whole appliance, on a recording.
 struct KioskRig : Rig {
   explicit KioskRig(const std::string& name, const std::string& more = {})
-      : Rig({.name = name}), desk(folder / "bundles"), generations(folder / "content") {
+      : Rig({.name = name, .observe_every = kSeldom}), desk(folder / "bundles"), generations(folder / "content") {
     std::filesystem::create_directories(desk);
     place = {write_desk(folder / "etc", more), generations};
   }
@@ -22,7 +22,8 @@ struct KioskRig : Rig {
     const auto content = read_content(place.configuration());
     ASSERT_TRUE(content) << content.error().message;
     appliance = std::make_unique<Appliance>(place, *content, ApplianceServices{devices, clock, time, notifier},
-                                            StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"});
+                                            StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"},
+                                            observing_seldom());
   }
   void install(const std::string& name, const std::string& from, const std::string& to) {
     const auto made = write_desk(desk / name);

@@ -10,6 +10,7 @@
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/show/scene/compositor.hpp"
 #include "tests/gles/model/packed_files.hpp"
+#include "tests/must.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -100,12 +101,8 @@ struct Desk {
   }
 };
 
-Image<Rgb8> drawn(const fs::path& config, const Direction& sun, bool with_model = true) {
-  const auto content = read_content(config);
-  EXPECT_TRUE(content) << content.error().message;
-  auto context = open_headless_context();
-  EXPECT_TRUE(context) << context.error().message;
-  auto installation = (*content)->config.installation;
+Image<Rgb8> drawn(GlContext& context, const Content& content, const Direction& sun, bool with_model = true) {
+  auto installation = content.config.installation;
   installation.scene_quality = {};
   SkyReport report;
   report.sun.source = SunSource::ephemeris;
@@ -120,29 +117,36 @@ Image<Rgb8> drawn(const fs::path& config, const Direction& sun, bool with_model 
   frame.metadata.bytes_used = static_cast<std::uint32_t>(grey.size());
   frame.payload = payload_of(std::move(grey));
   if (!with_model) installation.object.placement.up_m = -1e6;
-  auto compositor = Compositor::create(**context, installation, *(*content)->model, SceneAirOptions{});
+  auto compositor = Compositor::create(context, installation, *content.model, SceneAirOptions{});
   EXPECT_TRUE(compositor) << compositor.error().message;
-  auto target = Offscreen::create((*context)->info(), kPictureWidth, kPictureHeight);
+  auto target = Offscreen::create(context.info(), kPictureWidth, kPictureHeight);
   EXPECT_TRUE(target && compositor->draw(frame, report, target->target()));
   return target->read().value_or(Image<Rgb8>());
 }
 
-// Mean absolute difference over the pixels that show the building, of 255.
-double loss_of(const fs::path& original, const fs::path& reduced, const Direction& sun) {
-  const auto one = drawn(original, sun), other = drawn(reduced, sun), without = drawn(original, sun, false);
-  double sum = 0.0;
-  int values = 0;
-  for (std::size_t i = 0; i < one.elements().size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      const auto apart = [&](const Image<Rgb8>& a, const Image<Rgb8>& b) {
-        return std::abs(int(a.elements()[i][c]) - int(b.elements()[i][c]));
-      };
-      if (apart(one, without) <= 2 && apart(other, without) <= 2) continue;
-      sum += apart(one, other);
-      ++values;
-    }
-  EXPECT_GT(values, 1500) << "the building is hardly seen";
-  return sum / std::max(values, 1);
+// The greatest of these suns: mean absolute difference over the pixels that show the building, of 255.
+double loss_of(const fs::path& original, const fs::path& reduced, const std::vector<Direction>& suns) {
+  const auto context = must(open_headless_context());
+  const auto before = must(read_content(original)), after = must(read_content(reduced));
+  double greatest = 0.0;
+  for (const auto& sun : suns) {
+    const auto one = drawn(**context, **before, sun), other = drawn(**context, **after, sun),
+               without = drawn(**context, **after, sun, false);
+    double sum = 0.0;
+    int values = 0;
+    for (std::size_t i = 0; i < one.elements().size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const auto apart = [&](const Image<Rgb8>& a, const Image<Rgb8>& b) {
+          return std::abs(int(a.elements()[i][c]) - int(b.elements()[i][c]));
+        };
+        if (apart(one, without) <= 2 && apart(other, without) <= 2) continue;
+        sum += apart(one, other);
+        ++values;
+      }
+    EXPECT_GT(values, 1500) << "the building is hardly seen";
+    greatest = std::max(greatest, sum / std::max(values, 1));
+  }
+  return greatest;
 }
 
 const Direction kMorning{0.7, -0.5, 0.4}, kEvening{-0.8, -0.3, 0.3};
@@ -153,20 +157,17 @@ Model model_in(const fs::path& folder, const std::string& scene = {}) {
 
 TEST(ModelReduction, ADenseModelIsReducedToWhatTheCameraShows) {
   const Desk desk("dense");
-  desk.put(file_of(tower(520), Packing::none, 4096));
+  desk.put(file_of(tower(330), Packing::none, 2048));
   const auto before = fs::file_size(desk.model());
   std::string out;
   const auto packed = desk.unpacked("", out);
-  EXPECT_THAT(out, AllOf(HasSubstr("540800 -> "), HasSubstr("textures of 4096 -> "), HasSubstr("of 255 in the mean")));
+  EXPECT_THAT(out, AllOf(HasSubstr("217800 -> "), HasSubstr("textures of 2048 -> "), HasSubstr("of 255 in the mean")));
   const Model reduced = model_in(packed);
-  EXPECT_LT(reduced.triangle_count(), 54'080u);
+  EXPECT_LT(reduced.triangle_count(), 21'780u);
   EXPECT_LE(reduced.textures.at(0).pixels.width(), 1024);
   EXPECT_GE(reduced.textures.at(0).pixels.width(), 128);
   EXPECT_LT(fs::file_size(packed / "temple.glb"), before / 10);
-  for (const auto& sun : {kMorning, kEvening}) {
-    const double lost = loss_of(desk.config, packed / "kasumi.toml", sun);
-    EXPECT_LE(lost, 0.3);
-  }
+  EXPECT_LE(loss_of(desk.config, packed / "kasumi.toml", {kMorning, kEvening}), 0.3);
   // What is right stays as it is, byte for byte.
   const auto right = read_file(packed / "temple.glb").value();
   ASSERT_TRUE(write_file(desk.model(), right));
@@ -239,7 +240,7 @@ TEST(ModelReduction, CopiesSkinsAndCompressionStandWhereTheyStood) {
     EXPECT_LT(after.triangle_count(), before.triangle_count() / 4);
     EXPECT_LT(glm::distance(after.bounds().lowest, before.bounds().lowest), 0.5f);
     EXPECT_LT(glm::distance(after.bounds().highest, before.bounds().highest), 0.5f);
-    EXPECT_LE(loss_of(desk.config, packed / "kasumi.toml", kMorning), 0.3);
+    EXPECT_LE(loss_of(desk.config, packed / "kasumi.toml", {kMorning}), 0.3);
   }
 }
 
