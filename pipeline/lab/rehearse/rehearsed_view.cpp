@@ -40,11 +40,9 @@ Image<Pixel> every_nth(const Image<Pixel>& from, int width, int height) {
   return made;
 }
 
-void darken(Image<Rgb8>& picture, double brightness, const Response& response) {
-  for (Rgb8& pixel : picture.elements()) {
-    const glm::dvec3 light = brightness * response.to_light(glm::dvec3(pixel) / 255.0);
-    pixel = Rgb8(glm::round(255.0 * glm::clamp(response.to_encoded(light), 0.0, 1.0)));
-  }
+Rgb8 darkened(Rgb8 pixel, double brightness, const Response& response) {
+  const glm::dvec3 light = brightness * response.to_light(glm::dvec3(pixel) / 255.0);
+  return Rgb8(glm::round(255.0 * glm::clamp(response.to_encoded(light), 0.0, 1.0)));
 }
 
 }  // namespace
@@ -99,14 +97,19 @@ Result<RehearsedView> RehearsedView::create(GlContext& context, const Installati
 Result<Image<Rgb8>> RehearsedView::draw(Utc utc) {
   auto& at = *parts_;
   const SkyReport sky = clear_day(sun_position(utc, at.installation.site).direction);
+  const Camera& scene = at.installation.scene;
+  const double brightness = brightness_under(sky.sun.direction);
+  // By night there is nothing to draw.
+  if (constexpr Rgb8 kBlack{0}; darkened(Rgb8{255}, brightness, scene.response) == kBlack)
+    return Image<Rgb8>(scene.width, scene.height, kBlack);
   Frame frame = rgb_frame(backdrop(at.installation, sky, at.air));
   // So long after the one before that nothing of its light is left.
   frame.metadata.captured_at = at.now += std::chrono::hours(24);
   if (auto drawn = at.compositor.draw(frame, sky, at.target.target()); !drawn) return fail(drawn.error());
   auto picture = at.target.read();
   // Only then: in a black picture no horizon is found, by which the building is lit.
-  if (const double brightness = brightness_under(sky.sun.direction); picture && brightness < 1.0)
-    darken(*picture, brightness, at.installation.scene.response);
+  if (picture && brightness < 1.0)
+    for (Rgb8& pixel : picture->elements()) pixel = darkened(pixel, brightness, scene.response);
   return picture;
 }
 
