@@ -186,17 +186,16 @@ Extinction LandmarkExtinction::estimate(const std::vector<ContrastReading>& read
   found.sigma_per_m = 0.5 * (crossing(kOneSigma, true).first - crossing(kOneSigma, false).first);
   found.kind = closed_below ? (closed_above ? ExtinctionKind::value : ExtinctionKind::at_least)
                             : (closed_above ? ExtinctionKind::at_most : ExtinctionKind::nothing);
-  // The air is not the same everywhere: haze hardly, fog by more than half. What other paths have, or a meter's cubic metre, differs
-  // by so much from that before these landmarks.
+  // The air is not the same everywhere: other paths, or a meter's cubic metre, have as many times more as less.
   const auto patches = [&](double per_m) {
     return spread_.fog_patchy * square(per_m) / (square(per_m) + square(kMist_per_m));
   };
-  const double common = patches(found.per_m) * found.per_m;
-  const double below = 0.5 * (found.per_m - low), above = 0.5 * (high - found.per_m);
-  if (closed_below) found.lowest_per_m = std::max(grid_per_m_[0], found.per_m - 2.0 * std::hypot(below, common));
-  if (closed_above) found.highest_per_m = found.per_m + 2.0 * std::hypot(above, common);
-  if (found.kind == ExtinctionKind::at_least) found.lowest_per_m = low / (1.0 + 2.0 * patches(low));
-  found.sigma_per_m = std::hypot(found.sigma_per_m, common);
+  const double elsewhere = patches(found.per_m);
+  const auto reach = [&](double end) { return std::hypot(std::log(end / found.per_m), 2.0 * elsewhere); };
+  if (closed_below) found.lowest_per_m = std::max(grid_per_m_[0], found.per_m * std::exp(-reach(low)));
+  if (closed_above) found.highest_per_m = found.per_m * std::exp(reach(high));
+  if (found.kind == ExtinctionKind::at_least) found.lowest_per_m = low * std::exp(-2.0 * patches(low));
+  found.sigma_per_m = std::hypot(found.sigma_per_m, found.per_m * elsewhere);
   double farthest = 0.0, nearest = std::numeric_limits<double>::infinity();
   for (const auto i : used) {
     farthest = std::max(farthest, laws_[i].path_m);

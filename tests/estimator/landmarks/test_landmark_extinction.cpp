@@ -103,6 +103,34 @@ TEST(LandmarkExtinction, GivesABoundWhereLandmarksEnd) {
   EXPECT_EQ(law.estimate({}).kind, ExtinctionKind::nothing);
 }
 
+// What these landmarks say of fog, against fog elsewhere that has as many times more as less.
+TEST(LandmarkExtinction, SigmaHoldsFogElsewhere) {
+  const auto landmarks = at({100.0, 200.0, 300.0}, 0.01);
+  ContrastSpread spread = kNoSpread;
+  spread.fog_patchy = 0.8;
+  const LandmarkExtinction law(landmarks, 0.0, kClearest_per_m, 1, spread);
+  const auto found_in = [&](double per_m) {
+    std::vector<ContrastReading> readings;
+    for (const auto& landmark : landmarks)
+      readings.push_back(reading(0.85 * std::exp(-per_m * landmark.distance_m), 2e-3));
+    return law.estimate(readings);
+  };
+  const double fog = 8e-3, haze = 8e-5;
+  const auto found = found_in(fog);
+  ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
+  fixtures::Random random(7);
+  int within_one = 0, within_two = 0;
+  constexpr int kDraws = 2000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double elsewhere = fog * std::exp(spread.fog_patchy * random.normal());
+    within_one += std::abs(found.per_m - elsewhere) <= found.sigma_per_m;
+    within_two += found.lowest_per_m <= elsewhere && elsewhere <= found.highest_per_m;
+  }
+  EXPECT_NEAR(static_cast<double>(within_one) / kDraws, 0.70, 0.08);
+  EXPECT_NEAR(static_cast<double>(within_two) / kDraws, 0.95, 0.02);
+  EXPECT_LT(found_in(haze).sigma_per_m, 0.5 * haze) << "haze is much the same elsewhere";
+}
+
 TEST(LandmarkExtinction, LeavesOutWhatTheOthersDoNotPredict) {
   const std::vector<double> distances_m{500.0, 1000.0, 1500.0, 2000.0, 2500.0};
   const LandmarkExtinction law(at(distances_m), 0.0, kClearest_per_m, 1);
