@@ -207,6 +207,10 @@ TEST(Figures, ThatMissTheirGoalAreSaidToBelowTheTable) {
        "Goals in numbers: 5, missed: 2. *a*: .123, .003 above; *b*: 2.5, .5 above."},
       {heading, "| a | 1.2 | <= 1.2: **missed** |\n",
        "Goals in numbers: 1, missed: 1. *a*: 1.2, by less than its last digit."},
+      {heading, "| a | 5.3; 6.8 | 4: bound 4.5; 7: bound 5.8 |\n| b | 1 of 3 | all: bound 2 of 3, at any scale |\n",
+       "Goals in numbers: 3, missed: 2. *a*: 5.3, 1.3 above (bound 4.5); *b*: 1 of 3 instead of all (bound 2 of 3, at "
+       "any\n"
+       "scale)."},
       {"| what | given | found | goal, given |\n|---|---|---|---|\n", "| a | 2 | 9 | 3 |\n",
        "Goals in numbers: 1, all met."},
       {heading, "| a | 158 | 90 % |\n", ""},
