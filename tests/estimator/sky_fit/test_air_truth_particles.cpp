@@ -218,12 +218,14 @@ struct PictureTally {
   }
   double mean(std::size_t k) const { return sum[k] / pictures; }
   void print(const std::string& name) const {
-    std::vector<std::string> cells{name};
+    std::vector<std::string> told;
     for (std::size_t k = 0; k < sum.size(); ++k)
-      cells.push_back(figure_text(mean(k), 1) + ", " + figure_text(worst[k], 1));
-    fmt::print("{}: found {}; the best kind alone {}; amount and exponent given {}\n", name, cells[1], cells[2],
-               cells[3]);
-    figure_row("particles-building", cells);
+      told.push_back(figure_text(mean(k), 1) + "; " + figure_text(worst[k], 1));
+    fmt::print("{}: found {}; the best kind alone {}; amount and exponent given {}\n", name, told[0], told[1], told[2]);
+    const auto goal = [&](int steps, double given) {
+      return fmt::format("{}: bound {}", steps, figure_text(given, 1));
+    };
+    figure_row("particles-building", {name, told[0], goal(4, mean(2)) + "; " + goal(7, worst[2]), told[1], told[2]});
   }
 };
 
