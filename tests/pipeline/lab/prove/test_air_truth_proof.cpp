@@ -47,7 +47,7 @@ std::vector<MilanRow> read_rows(const std::filesystem::path& table) {
 struct ProvedTower {
   const char *name, *facade;
 };
-// The four by which landmarks are judged (test_air_truth_towers), one that is five pixels wide, and one that is a mirror.
+// The four that the goal is for, one that is five pixels wide, and one that is a mirror.
 constexpr std::array kTowers{ProvedTower{"Galfa", "galfa"},          ProvedTower{"Lombardia", "lombardia-high"},
                              ProvedTower{"Solaria", "solaria-dark"}, ProvedTower{"Generali", "generali"},
                              ProvedTower{"Allianz", "allianz"},      ProvedTower{"UniCredit", "unicredit-left"}};
