@@ -1,17 +1,22 @@
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
+#include <utility>
 
+#include <libdeflate.h>
 #include <png.h>
 
+#include "base/c_ptr.hpp"
 #include "base/picture_files/picture_file.hpp"
 
 namespace kasumi {
 
 namespace {
 
-constexpr int kBestSpeed = 1, kRunLengths = 3;                                 // zlib's Z_BEST_SPEED, Z_RLE
+constexpr int kBestSpeed = 1;                                                  // of libdeflate's levels
+constexpr std::size_t kLargestChunk = 1u << 30;                                // PNG's limit is 2^31 - 1
 constexpr bool kBytesAreSwapped = std::endian::native == std::endian::little;  // PNG's 16 bits are big-endian
 
 // libpng's errors, whose handler must not return.
@@ -103,10 +108,37 @@ class PngReader {
 
 struct PngSamples {
   int width, height, colour, bits;
-  const std::uint8_t* first;
-  std::size_t row_bytes;
+  std::span<const std::uint8_t> rows;  // as PNG has them, without gaps
 };
 
+// Each row less the one above it, which its first byte says: quick, and below the others' size for cameras' pictures.
+std::vector<std::uint8_t> less_the_row_above(const PngSamples& picture) {
+  const auto height = static_cast<std::size_t>(picture.height);
+  const std::size_t row_bytes = picture.rows.size() / height;
+  std::vector<std::uint8_t> filtered((row_bytes + 1) * height);
+  for (std::size_t y = 0; y < height; ++y) {
+    const std::uint8_t* row = picture.rows.data() + y * row_bytes;
+    std::uint8_t* to = filtered.data() + y * (row_bytes + 1);
+    *to++ = y > 0 ? PNG_FILTER_VALUE_UP : PNG_FILTER_VALUE_NONE;
+    if (y == 0)
+      std::copy_n(row, row_bytes, to);
+    else
+      std::transform(row, row + row_bytes, row - row_bytes, to,
+                     [](std::uint8_t here, std::uint8_t above) { return static_cast<std::uint8_t>(here - above); });
+  }
+  return filtered;
+}
+
+// As zlib compresses; empty: no memory.
+std::vector<std::uint8_t> compressed(std::span<const std::uint8_t> bytes) {
+  const CPtr<libdeflate_compressor, libdeflate_free_compressor> compressor(libdeflate_alloc_compressor(kBestSpeed));
+  if (!compressor) return {};
+  std::vector<std::uint8_t> made(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
+  made.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), made.data(), made.size()));
+  return made;
+}
+
+// libpng writes the chunks, libdeflate compresses the samples: in half of the time that libpng takes for it by zlib.
 class PngWriter {
  public:
   PngWriter() {
@@ -119,17 +151,17 @@ class PngWriter {
 
   Result<std::vector<std::uint8_t>> write(const PngSamples& picture, const PictureMarks& marks) {
     if (picture.width < 1 || picture.height < 1) return fail(FaultKind::bad_input, "a picture without pixels");
-    if (!info_ || !errors_.guard(png_, [&] { write_all(picture, marks); }))
+    const auto samples = compressed(less_the_row_above(picture));
+    if (samples.empty()) return fail(FaultKind::io, "the picture cannot be encoded as PNG: no memory");
+    if (!info_ || !errors_.guard(png_, [&] { write_chunks(picture, marks, samples); }))
       return fail(FaultKind::io, "the picture cannot be encoded as PNG: {}", errors_.message());
     return std::move(bytes_);
   }
 
  private:
-  void write_all(const PngSamples& picture, const PictureMarks& marks) {
+  void write_chunks(const PngSamples& picture, const PictureMarks& marks, std::span<const std::uint8_t> samples) {
+    constexpr png_byte kSamples[] = "IDAT", kEnd[] = "IEND";
     png_set_write_fn(png_, &bytes_, append, nullptr);
-    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
-    png_set_compression_level(png_, kBestSpeed);
-    png_set_compression_strategy(png_, kRunLengths);
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
                  picture.bits, picture.colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
@@ -138,10 +170,9 @@ class PngWriter {
       png_set_eXIf_1(png_, info_, static_cast<png_uint_32>(marks.exif.size()),
                      const_cast<png_bytep>(marks.exif.data()));
     png_write_info(png_, info_);
-    if (picture.bits == 16 && kBytesAreSwapped) png_set_swap(png_);
-    for (int y = 0; y < picture.height; ++y)
-      png_write_row(png_, picture.first + static_cast<std::size_t>(y) * picture.row_bytes);
-    png_write_end(png_, info_);
+    for (; !samples.empty(); samples = samples.subspan(std::min(samples.size(), kLargestChunk)))
+      png_write_chunk(png_, kSamples, samples.data(), std::min(samples.size(), kLargestChunk));
+    png_write_chunk(png_, kEnd, nullptr, 0);
   }
   static void append(png_structp png, png_bytep from, png_size_t count) {
     auto& bytes = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
@@ -163,11 +194,20 @@ class PngWriter {
 template <class T>
 Result<std::vector<std::uint8_t>> encode_samples(const Image<T>& image, int colour, int bits,
                                                  const PictureMarks& marks = {}) {
-  PngWriter writer;
   const void* first = image.elements().data();
-  return writer.write({image.width(), image.height(), colour, bits, static_cast<const std::uint8_t*>(first),
-                       static_cast<std::size_t>(image.width()) * sizeof(T)},
-                      marks);
+  PngSamples samples{image.width(),
+                     image.height(),
+                     colour,
+                     bits,
+                     {static_cast<const std::uint8_t*>(first), image.elements().size() * sizeof(T)}};
+  std::vector<std::uint8_t> swapped;
+  if (bits == 16 && kBytesAreSwapped) {
+    swapped.assign(samples.rows.begin(), samples.rows.end());
+    for (std::size_t i = 0; i + 1 < swapped.size(); i += 2) std::swap(swapped[i], swapped[i + 1]);
+    samples.rows = swapped;
+  }
+  PngWriter writer;
+  return writer.write(samples, marks);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <tuple>
 
 #include <jpeglib.h>
@@ -201,6 +202,21 @@ TEST(PictureFiles, APngThatIsWrittenHoldsThePicture) {
       ASSERT_EQ(in_grey.at<std::uint8_t>(y, x), grey.at(x, y));
     }
   EXPECT_FALSE(encode_png(Image<Rgb8>{}));
+}
+
+// Of any size, and of pixels that do not shrink.
+TEST(PictureFiles, APngOfNoiseHoldsEachPixel) {
+  std::uint32_t state = 7;
+  for (const auto& [width, height] : {std::pair(1, 1), {1, 300}, {300, 1}, {640, 480}}) {
+    Image<glm::u8vec4> noise(width, height);
+    for (auto& pixel : noise.elements())
+      for (int c = 0; c < 4; ++c) pixel[c] = static_cast<std::uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
+    const auto read = decode_png(encode_png(noise).value());
+    ASSERT_TRUE(read) << read.error().message;
+    ASSERT_EQ(std::tuple(read->width, read->height, read->channels, read->bits), std::tuple(width, height, 4, 8));
+    EXPECT_EQ(std::memcmp(read->samples.data(), noise.elements().data(), read->samples.size()), 0)
+        << width << " x " << height;
+  }
 }
 
 // The size that is bounded before decoding is the one that is decoded.
