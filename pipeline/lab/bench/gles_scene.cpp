@@ -145,6 +145,11 @@ PictureView BenchFrame::i420() const {
                      Plane{chroma.data() + chroma.size() / 2, half}}};
 }
 
+Haze bench_haze(Turbidity air) {
+  const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
+  return haze_for_gles(haze_coefficients(nodes, ScatteringModel::morales2017, air), 50.0);
+}
+
 BenchScene make_bench_scene(const BenchSize& size) {
   std::mt19937_64 random(1);
   BenchScene scene;
@@ -152,8 +157,7 @@ BenchScene make_bench_scene(const BenchSize& size) {
   scene.model_to_world = model_to_world({.north_m = kDistance_m, .up_m = -0.5 * kFacadeHeight_m});
   scene.view = view_north(size.width, size.height);
 
-  const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
-  scene.appearance.haze = haze_for_gles(haze_coefficients(nodes, ScatteringModel::morales2017, kBenchTurbidity), 50.0);
+  scene.appearance.haze = bench_haze(kBenchTurbidity);
   scene.appearance.light.sun_direction = glm::normalize(glm::dvec3{0.4, -0.6, 0.7});
   scene.appearance.light.sun_irradiance = {0.9, 0.85, 0.75};
   scene.appearance.light.around = light_around_of([](const Direction& d) {

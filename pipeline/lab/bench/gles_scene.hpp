@@ -45,6 +45,8 @@ struct BenchSize {
 };
 
 BenchScene make_bench_scene(const BenchSize& size = {});
+// The haze before it in another air.
+Haze bench_haze(Turbidity air);
 // Its building's layer drawn, as before each picture.
 Result<Renderer> drawn_by_renderer(GlContext& context, const BenchScene& scene);
 // The same facade alone.
