@@ -156,6 +156,7 @@ inline const Walls kLibraryDoors = {
     {"lcms2.h", {"base/picture_files/colour_profile.cpp"}},
     {"libcamera/", {"capture/libcamera/"}},
     {"libdeflate.h", {"base/picture_files/png_file.cpp"}},
+    {"libheif", {"base/picture_files/heif_picture.cpp"}},
     {"libexif/", {"pipeline/site/files/"}},
     {"libudev.h", {"gles/display/kms_udev.cpp"}},
     {"linux/cec.h", {"pipeline/machine/television.cpp"}},
