@@ -179,12 +179,12 @@ TEST(SafeMode, ItEndsAfterAnHourForATrial) {
 
 // A rig of the whole appliance that is told of its starts.
 struct ProvenRig : Rig {
-  explicit ProvenRig(const std::string& name) : Rig({.name = name}) {
+  explicit ProvenRig(const std::string& name) : Rig({.name = name, .observe_every = kSeldom}) {
     kept = folder / "state/last-good";
     starts = std::make_unique<StartLog>(ServiceFolders{folder / "state", folder}, "now", 15.0);
-    appliance = std::make_unique<Appliance>(config, read_content(config).value(),
-                                            ApplianceServices{devices, clock, time, notifier, {starts.get(), kept}},
-                                            StatusOptions{folder / "status.json", false, 10s, starts.get()});
+    appliance = std::make_unique<Appliance>(
+        config, read_content(config).value(), ApplianceServices{devices, clock, time, notifier, {starts.get(), kept}},
+        StatusOptions{folder / "status.json", false, 10s, starts.get()}, observing_seldom());
   }
   // In long steps, with pictures in each.
   void pass(Duration by) {

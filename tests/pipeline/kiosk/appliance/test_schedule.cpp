@@ -94,6 +94,7 @@ TEST(Schedule, TheNextStartShowsTheEraOfItsHour) {
 
 TEST(Schedule, AnEraThatDoesNotFitIsToldAndTheOneBeforeStays) {
   auto options = with_eras("era-memory", kDay + 3h + 45s);
+  options.observe_every = kSeldom;
   bool little = false;
   options.probes.memory_left = [&] { return little ? 1'000'000u : 8'000'000'000u; };
   const auto rig = running(std::move(options));
@@ -141,6 +142,7 @@ TEST(Schedule, TheScreenAndTheTelevisionWakeBeforeOpeningAndSleepAfterwards) {
                          "\n[opening]\ntime_zone = \"UTC\"\nwake_before_min = 2\n"
                          "every_day = \"03:04-03:05\"\n"};
   options.utc = kDay + 3h;
+  options.observe_every = kSeldom;
   Rig rig(options);
   replace_in(rig.config, "[display]\n", "[display]\ncec = \"/dev/cec0\"\n");
   rig.hang_up();
