@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -23,7 +24,8 @@ namespace kasumi {
 // objects that such a thread uses.
 inline std::atomic<int> abandoned_threads = 0;
 
-// What the work uses must live as long as it does: hand in values, not references.
+// What the work uses must live as long as it does: hand in values, not references. Throws std::system_error where the
+// machine has no thread left.
 template <class T>
 class Abandonable {
  public:
@@ -32,7 +34,7 @@ class Abandonable {
     sigfillset(&all);
     ::pthread_sigmask(SIG_BLOCK, &all, &before);
     ++abandoned_threads;
-    std::thread([shared = shared_, work = std::move(work)]() mutable {
+    auto run = [shared = shared_, work = std::move(work)]() mutable {
       std::optional<T> made;
       std::exception_ptr thrown;
       try {
@@ -47,7 +49,14 @@ class Abandonable {
       shared->ended = true;
       shared->woken.notify_all();
       --abandoned_threads;
-    }).detach();
+    };
+    try {
+      std::thread(std::move(run)).detach();
+    } catch (...) {
+      --abandoned_threads;
+      ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+      throw;
+    }
     ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
   }
 
@@ -60,6 +69,11 @@ class Abandonable {
     if (!shared_->ended) return std::nullopt;
     if (shared_->thrown) std::rethrow_exception(shared_->thrown);
     return std::exchange(shared_->made, std::nullopt);
+  }
+
+  bool has_ended() const {
+    const MutexLock lock(shared_->mutex);
+    return shared_->ended;
   }
 
  private:
@@ -78,5 +92,26 @@ template <class T>
 std::optional<T> within(std::chrono::nanoseconds longest, std::function<T()> work) {
   return Abandonable<T>(std::move(work)).take(longest);
 }
+
+// The same again and again, for a loop that must not wait: while one piece of work hangs, none is begun.
+template <class T>
+class OneAtATime {
+ public:
+  // BLOCKS for at most `longest`. Empty: it has not ended, in which case its result is lost, or was not begun, for that
+  // reason or because the machine has no thread left.
+  std::optional<T> within(std::chrono::nanoseconds longest, std::function<T()> work) {
+    if (last_ && !last_->has_ended()) return std::nullopt;
+    try {
+      last_.emplace(std::move(work));
+    } catch (const std::system_error&) {
+      last_.reset();
+      return std::nullopt;
+    }
+    return last_->take(longest);
+  }
+
+ private:
+  std::optional<Abandonable<T>> last_;
+};
 
 }  // namespace kasumi
