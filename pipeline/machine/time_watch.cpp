@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/abandonable.hpp"
 #include "base/outside/json_depth.hpp"
 #include "base/outside/this_boot.hpp"
 #include "base/unique_fd.hpp"
@@ -26,6 +27,7 @@ namespace {
 constexpr std::chrono::seconds kSettingTakes{5};
 // The time server's fine adjustment moves the clock by 43 s a day at most; setting the clock moves it at once.
 constexpr double kSlewWhileDown_s = 2.0, kSlewBeforeSaving_s = 0.5;
+constexpr std::chrono::seconds kFileDeadline{1};  // of a file in memory
 
 std::optional<bool> ask_kernel() {
   struct timex kernel {};
@@ -96,7 +98,9 @@ class RememberedTrust final : public TimeWatch {
  public:
   RememberedTrust(std::unique_ptr<TimeWatch> watch, std::filesystem::path file, BootTime boot)
       : watch_(std::move(watch)), file_(std::move(file)), boot_(std::move(boot)) {
-    saved_s_ = load();
+    saved_s_ = within<std::optional<double>>(kFileDeadline, [file = file_, boot = boot_] {
+                 return load(file, boot);
+               }).value_or(std::nullopt);
     state_.remembered = saved_s_.has_value();
   }
 
@@ -111,28 +115,35 @@ class RememberedTrust final : public TimeWatch {
   }
 
  private:
-  double offset_s() const { return to_seconds(boot_.utc().time_since_epoch()) - boot_.since_s(); }
+  static double offset_s(const BootTime& boot) { return to_seconds(boot.utc().time_since_epoch()) - boot.since_s(); }
 
-  std::optional<double> load() const {
-    const auto text = read_text_file(file_);
+  static std::optional<double> load(const std::filesystem::path& file, const BootTime& boot) {
+    const auto text = read_text_file(file, kSmallFile);
     const auto json = text ? nlohmann::json::parse(modest_json(*text), nullptr, false) : nlohmann::json();
-    if (!json.is_object() || boot_.id.empty() || json.value("boot", nlohmann::json()) != boot_.id) return std::nullopt;
+    if (!json.is_object() || boot.id.empty() || json.value("boot", nlohmann::json()) != boot.id) return std::nullopt;
     const auto offset = json.value("offset_s", nlohmann::json());
-    if (!offset.is_number() || !(std::abs(offset.get<double>() - offset_s()) <= kSlewWhileDown_s)) return std::nullopt;
+    if (!offset.is_number() || !(std::abs(offset.get<double>() - offset_s(boot)) <= kSlewWhileDown_s))
+      return std::nullopt;
     return offset.get<double>();
   }
 
   void save() {
-    const double offset = offset_s();
+    const double offset = offset_s(boot_);
     if (saved_s_ && std::abs(*saved_s_ - offset) <= kSlewBeforeSaving_s) return;
+    const auto text = nlohmann::json{{"boot", boot_.id}, {"offset_s", offset}}.dump() + "\n";
+    const auto written = changing_.within(kFileDeadline, [file = file_, text] { return write_text_file(file, text); });
+    if (!written) return;  // later
     saved_s_ = offset;
-    const auto written = write_text_file(file_, nlohmann::json{{"boot", boot_.id}, {"offset_s", offset}}.dump() + "\n");
-    if (!written) spdlog::warn("trust in the clock ends with this start: {}", written.error().message);
+    if (!*written) spdlog::warn("trust in the clock ends with this start: {}", written->error().message);
   }
 
+  // A file that stays says another time than is now, and is not believed.
   void forget() {
-    std::error_code error;
-    std::filesystem::remove(file_, error);
+    changing_.within(kFileDeadline, [file = file_]() -> Result<> {
+      std::error_code error;
+      std::filesystem::remove(file, error);
+      return {};
+    });
     saved_s_.reset();
     state_.remembered = false;
   }
@@ -141,6 +152,7 @@ class RememberedTrust final : public TimeWatch {
   std::filesystem::path file_;
   BootTime boot_;
   std::optional<double> saved_s_;
+  OneAtATime<Result<>> changing_;  // the file
   ClockState state_;
 };
 

@@ -19,6 +19,7 @@ using namespace std::chrono_literals;
 constexpr Duration kProvingInterval = 5s;  // between looks: bounds how late a proof is noted
 constexpr Duration kProof = 10min;         // ten minutes of pictures forgive everything before them (docs/operating.md)
 constexpr Duration kKeepAgainInterval = 1h;  // after the disk failed
+constexpr Duration kStatusDeadline = 1s;     // to read a file in memory
 
 }  // namespace
 
@@ -83,8 +84,10 @@ Instant ProvingLoop::step() {
 
 Probation::FailingChecks ProvingLoop::ask_doctor(Duration passed) {
   Probation::FailingChecks failing;
-  const auto status = status_file_ ? read_text_file(*status_file_) : fail(FaultKind::unsupported, "");
-  if (!status) return failing;
+  if (!status_file_) return failing;
+  const auto read = reading_.within(kStatusDeadline, [file = *status_file_] { return read_text_file(file); });
+  if (!read || !*read) return failing;
+  const auto& status = *read;
   const auto before = std::exchange(status_before_, *status);
   if (before.empty()) return failing;
   Findings findings;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "base/outside/abandonable.hpp"
 #include "pipeline/kiosk/appliance/mailboxes.hpp"
 #include "pipeline/kiosk/content/probation.hpp"
 #include "pipeline/kiosk/start/start_log.hpp"
@@ -47,6 +48,7 @@ class ProvingLoop {
   Clock& clock_;
   Mailboxes& mailboxes_;
   Probation probation_;
+  OneAtATime<Result<std::string>> reading_;
   std::string status_before_;
   Instant stepped_;
   Proof alive_, scene_, camera_;

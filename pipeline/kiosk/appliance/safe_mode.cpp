@@ -147,7 +147,9 @@ void SafeMode::write_status() {
   if (status_at_ && status_.now - *status_at_ < kSafeStatusInterval) return;
   if (!status_at_) notifier_.status(status_line(status_));
   status_at_ = status_.now;
-  if (status_file_) (void)write_text_file(*status_file_, status_json(status_));
+  if (!status_file_) return;
+  starts_.note_in_memory("status",
+                         [file = *status_file_, text = status_json(status_)] { (void)write_text_file(file, text); });
 }
 
 Instant SafeMode::step() {

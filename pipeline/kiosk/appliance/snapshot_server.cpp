@@ -11,12 +11,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Duration kCallerWait = 250ms;         // bounds how late a stop is noticed
-constexpr Duration kRequestDeadline = 1s;       // a caller of this machine has its request ready
-constexpr Duration kPictureWait = 8s;           // visitors get a notice first, and a display may have to be reopened
-constexpr Duration kAnswerTime = 2s;            // a caller that does not read for so long has ended
-constexpr std::size_t kLongestRequest = 16;     // the longest word of the protocol, and a little
-constexpr std::size_t kCommand = 0, kPage = 1;  // places of the two sockets
+constexpr Duration kCallerWait = 250ms;      // bounds how late a stop is noticed
+constexpr Duration kFailedPause = 1min;      // where a folder is full, for one
+constexpr Duration kFolderAnswers = 250ms;   // a folder in memory
+constexpr Duration kRequestDeadline = 1s;    // a caller of this machine has its request ready
+constexpr Duration kPictureWait = 8s;        // visitors get a notice first, and a display may have to be reopened
+constexpr Duration kAnswerTime = 2s;         // a caller that does not read for so long has ended
+constexpr std::size_t kLongestRequest = 16;  // the longest word of the protocol, and a little
 static_assert(kBlurredPixels <= kMostScreenPixels);
 
 }  // namespace
@@ -25,47 +26,65 @@ SnapshotServer::SnapshotServer(const std::optional<std::filesystem::path>& folde
                                std::function<void(SnapshotKind)> ask, SnapshotMailbox& answers, const Clock& clock)
     : ask_(std::move(ask)), answers_(answers), clock_(clock) {
   if (!folder) return;
-  path_ = *folder / kSnapshotSocket;
-  page_path_ = screen_socket(*folder);
-  std::error_code ignored;
-  std::filesystem::remove(page_path_, ignored);  // an earlier process may have been allowed to have it
-  if (auto listening = listen_at(path_))
-    listening_[kCommand] = std::move(*listening);
-  else
-    spdlog::warn("kasumi snapshot will not be answered: {}", listening.error().message);
+  command_.path = *folder / kSnapshotSocket;
+  page_.path = screen_socket(*folder);
+  offer_command();
 }
 
 SnapshotServer::~SnapshotServer() {
-  std::error_code ignored;
-  if (listening_[kCommand]) std::filesystem::remove(path_, ignored);
-  if (listening_[kPage]) std::filesystem::remove(page_path_, ignored);
+  shut(command_);
+  shut(page_);
+}
+
+void SnapshotServer::open(Door& door, std::function<Result<UniqueFd>()> work) {
+  if (listening_[door.at] || door.path.empty() || clock_.now() < door.again) return;
+  auto made = door.opening.within(kFolderAnswers, std::move(work));
+  if (!made) return;
+  if (*made) {
+    listening_[door.at] = std::move(**made);
+  } else {
+    door.again = clock_.now() + kFailedPause;
+    if (!door.failed) spdlog::warn("{}: {}", door.lost, made->error().message);
+  }
+  door.failed = !*made;
+}
+
+void SnapshotServer::shut(Door& door) {
+  if (!listening_[door.at]) return;
+  listening_[door.at] = UniqueFd();
+  OneAtATime<bool>().within(kFolderAnswers, [path = door.path] {
+    std::error_code ignored;
+    return std::filesystem::remove(path, ignored);
+  });
+}
+
+void SnapshotServer::offer_command() {
+  open(command_, [path = command_.path, page = page_.path] {
+    std::error_code ignored;
+    std::filesystem::remove(page, ignored);  // an earlier process may have been allowed to have it
+    return listen_at(path);
+  });
 }
 
 // The folder's permissions say which accounts may connect: the unit creates it for the reporter's group. Created here
 // it is for this account alone.
 void SnapshotServer::offer_page() {
-  auto& listening = listening_[kPage];
-  const bool wanted = answers_.for_page && !page_path_.empty();
-  if (!wanted) page_failed_ = false;
-  if (wanted == bool(listening) || page_failed_) return;
-  std::error_code ignored;
-  if (!wanted) {
-    listening = UniqueFd();
-    std::filesystem::remove(page_path_, ignored);
-    return;
+  if (!answers_.for_page) {
+    page_.failed = false;
+    page_.again = Instant::min();
+    return shut(page_);
   }
-  const auto folder = page_path_.parent_path();
-  if (std::filesystem::create_directory(folder, ignored))
-    std::filesystem::permissions(folder, std::filesystem::perms::owner_all, ignored);
-  if (auto made = listen_at(page_path_)) {
-    listening = std::move(*made);
-  } else {
-    page_failed_ = true;
-    spdlog::warn("kasumi-report will get no picture of the screen: {}", made.error().message);
-  }
+  open(page_, [path = page_.path] {
+    const auto folder = path.parent_path();
+    std::error_code ignored;
+    if (std::filesystem::create_directory(folder, ignored))
+      std::filesystem::permissions(folder, std::filesystem::perms::owner_all, ignored);
+    return listen_at(path);
+  });
 }
 
 void SnapshotServer::step() {
+  offer_command();
   offer_page();
   const auto caller = accept_within(listening_, kCallerWait);
   if (caller) caller->at == kPage ? answer_page(caller->socket) : answer(caller->socket);

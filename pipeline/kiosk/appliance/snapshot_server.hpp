@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 
+#include "base/outside/abandonable.hpp"
 #include "base/unique_fd.hpp"
 #include "pipeline/kiosk/appliance/mailboxes.hpp"
 
@@ -17,6 +18,7 @@ namespace kasumi {
 class SnapshotServer {
  public:
   // `folder`: where the socket is made. Without it, or where it cannot be made, which is logged, there are no answers.
+  // BLOCKS for at most a quarter of a second; a folder that does not answer is asked again by step().
   // `ask` forwards the request to the render loop, which puts the answer into `answers` and states there whether the
   // reporter may ask. Its socket exists only while it may.
   SnapshotServer(const std::optional<std::filesystem::path>& folder, std::function<void(SnapshotKind)> ask,
@@ -30,6 +32,18 @@ class SnapshotServer {
   void step();
 
  private:
+  // One of the two sockets.
+  struct Door {
+    std::size_t at;                  // in `listening_`
+    const char* lost;                // logged where it cannot be opened
+    std::filesystem::path path{};    // empty: it stays shut
+    bool failed = false;             // which was logged
+    Instant again = Instant::min();  // after a failure
+    OneAtATime<Result<UniqueFd>> opening{};
+  };
+  void open(Door& door, std::function<Result<UniqueFd>()> work);
+  void shut(Door& door);
+  void offer_command();
   void offer_page();
   void answer(const UniqueFd& caller);
   void answer_page(const UniqueFd& caller);
@@ -38,9 +52,10 @@ class SnapshotServer {
   std::function<void(SnapshotKind)> ask_;
   SnapshotMailbox& answers_;
   const Clock& clock_;
-  std::filesystem::path path_, page_path_;
-  std::array<UniqueFd, 2> listening_;  // for `kasumi snapshot` and for the reporter; either may be empty
-  bool page_failed_ = false;           // its socket cannot be made, which was logged
+  static constexpr std::size_t kCommand = 0, kPage = 1;  // places of the two
+  Door command_{kCommand, "kasumi snapshot will not be answered"};
+  Door page_{kPage, "kasumi-report will get no picture of the screen"};
+  std::array<UniqueFd, 2> listening_;  // either may be empty
   Instant next_page_ = Instant::min();
 };
 

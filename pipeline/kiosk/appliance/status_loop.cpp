@@ -190,7 +190,14 @@ void StatusLoop::finish() {
 
 void StatusLoop::write_status() {
   if (auto line = status_line(status_); line != line_) notifier_.status(line_ = std::move(line));
-  if (options_.file) log_outage(write_text_file(*options_.file, status_json(status_)), write_failing_, "status");
+  if (!options_.file) return;
+  auto write = [kept = kept_, file = *options_.file, text = status_json(status_)] {
+    log_outage(write_text_file(file, text), kept->status_failing, "status");
+  };
+  if (options_.starts)
+    options_.starts->note_in_memory("status", std::move(write));
+  else
+    write();
 }
 
 // In the writer's thread, since the disk may hang; without a writer, here.

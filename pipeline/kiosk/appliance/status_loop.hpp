@@ -65,11 +65,10 @@ class StatusLoop {
   std::optional<Instant> heat_read_at_;
   HangWatch hangs_;  // of the render loop, which watches the others
   std::string line_;
-  bool write_failing_ = false;  // already logged
   HistoryMinute minute_;
-  struct Kept {  // owned by the writer
+  struct Kept {  // owned by the writers
     HistoryKeeper history;
-    bool air_failing = false, history_failing = false, presses_failing = false;  // already logged
+    bool air_failing = false, history_failing = false, presses_failing = false, status_failing = false;  // logged
   };
   std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
   std::array<std::uint64_t, kHandKeys> presses_{};  // since the start, as last told

@@ -80,8 +80,9 @@ StartRecord record_in(const std::string& text) {
 
 // A disk that answers does so in milliseconds; the start goes on without the record.
 constexpr Duration kReadDeadline = std::chrono::seconds(2);
-constexpr Duration kShowFirst = std::chrono::seconds(5);      // a picture, before anything is noted on the disk
-constexpr Duration kCountDeadline = std::chrono::seconds(2);  // as long for writing
+constexpr Duration kShowFirst = std::chrono::seconds(5);       // a picture, before anything is noted on the disk
+constexpr Duration kCountDeadline = std::chrono::seconds(2);   // as long for writing
+constexpr Duration kMemoryDeadline = std::chrono::seconds(3);  // for what takes microseconds on an idle machine
 
 // What earlier starts left.
 struct Left {
@@ -96,9 +97,11 @@ Left read_left(const ServiceFolders& folders) {
   return left;
 }
 
-// Of this boot: newer than what the disk has.
-std::optional<StartRecord> record_in_memory(const ServiceFolders& folders, const std::string& boot) {
+// Of this boot: newer than what the disk has. A start that began may let the next boot come.
+std::optional<StartRecord> take_record_in_memory(const ServiceFolders& folders, const std::string& boot) {
   if (folders.runtime.empty()) return std::nullopt;
+  std::error_code error;
+  std::filesystem::remove(folders.runtime / "no-reboot", error);
   auto record = record_in(read_text_file(folders.runtime / kRecordName, kSmallFile).value_or(""));
   return record.boot == boot ? std::optional(std::move(record)) : std::nullopt;
 }
@@ -118,9 +121,9 @@ StartLog::StartLog(const ServiceFolders& folders, const std::string& boot, doubl
   std::erase(this_boot, '-');
   for (const auto& line : left->never_began)
     if (line != this_boot) spdlog::warn("never began in an earlier boot: `journalctl -u kasumi -b {}` says why", line);
-  std::error_code error;
-  if (!folders_.runtime.empty()) std::filesystem::remove(folders_.runtime / "no-reboot", error);
-  auto record = record_in_memory(folders_, boot).value_or(std::move(left->record));
+  const auto in_memory = within<std::optional<StartRecord>>(
+      kMemoryDeadline, [folders, boot] { return take_record_in_memory(folders, boot); });
+  auto record = in_memory.value_or(std::nullopt).value_or(std::move(left->record));
   failed_before_ = record.boot == boot && !record.shown && !record.ended;
   hold_until_ = SystemClock().now() + (failed_before_ ? Duration{} : kShowFirst);
   {
@@ -141,7 +144,8 @@ void StartLog::change(Change apply) {
 
 void StartLog::note() {
   const auto text = json_text(record_);
-  if (!folders_.runtime.empty()) (void)write_text_file(folders_.runtime / kRecordName, text);
+  if (!folders_.runtime.empty())
+    note_in_memory("starts", [file = folders_.runtime / kRecordName, text] { (void)write_text_file(file, text); });
   const auto job = [folders = folders_, text, failed = write_failed_] {
     const auto written = write_text_file(record_file(folders), text);
     if (!written && !failed->exchange(true)) spdlog::warn("starts are not counted: {}", written.error().message);
@@ -162,6 +166,15 @@ void StartLog::note_too(const std::string& name, std::function<void()> job) {
   if (failed_before_) writer_.flush(kCountDeadline);
 }
 
+void StartLog::note_in_memory(const std::string& name, std::function<void()> job) {
+  const bool silent = !memory_.do_now(name, std::move(job), kMemoryDeadline);
+  if (memory_silent_.exchange(silent) == silent) return;
+  if (silent)
+    spdlog::error("the folder of status.json does not answer: nothing is written there meanwhile");
+  else
+    spdlog::info("the folder of status.json answers again");
+}
+
 StartRecord StartLog::record() const {
   const MutexLock lock(mutex_);
   return record_;
@@ -179,8 +192,11 @@ void StartLog::shown() {
 void StartLog::well() {
   released_ = true;
   change(note_well);
-  std::error_code error;
-  if (!folders_.runtime.empty()) std::filesystem::remove(folders_.runtime / "starts", error);
+  if (folders_.runtime.empty()) return;
+  note_in_memory("well", [file = folders_.runtime / "starts"] {
+    std::error_code error;
+    std::filesystem::remove(file, error);
+  });
 }
 
 void StartLog::ended() {

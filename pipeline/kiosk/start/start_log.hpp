@@ -1,5 +1,6 @@
 // The record of starts, and where this boot and this service keep it: at once in the runtime folder, which is memory;
-// what must outlast a boot is noted on the disk behind the picture's back. Thread-safe.
+// what must outlast a boot is noted on the disk behind the picture's back. Memory, too, may not answer: a machine that
+// swaps to a disk that hangs. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -45,6 +46,9 @@ class StartLog {
 
   // Notes something else of this start on the disk, by the same rule. By hand (without a folder) at once.
   void note_too(const std::string& name, std::function<void()> job);
+  // Writes something to the runtime folder. BLOCKS until it is written, for three seconds at most, and not at all while
+  // the folder has not answered for so long, which is logged: then the newest job of each name is done when it answers.
+  void note_in_memory(const std::string& name, std::function<void()> job);
   // Notes on the disk whatever else must outlast a boot.
   StateWriter& writer() { return writer_; }
 
@@ -61,7 +65,8 @@ class StartLog {
   std::atomic<bool> released_ = false;
   bool failed_before_ = false;  // the start before this one showed nothing
   std::shared_ptr<std::atomic<bool>> write_failed_ = std::make_shared<std::atomic<bool>>(false);
-  StateWriter writer_;
+  std::atomic<bool> memory_silent_ = false;  // already logged
+  StateWriter writer_, memory_;
 };
 
 }  // namespace kasumi

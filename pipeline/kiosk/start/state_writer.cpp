@@ -97,6 +97,12 @@ bool StateWriter::flush(Duration longest) {
   return shared_->is_idle();
 }
 
+bool StateWriter::do_now(const std::string& name, std::function<void()> job, Duration longest) {
+  const bool hangs = busy().value_or(Duration{}) >= longest;
+  post(name, std::move(job));
+  return !hangs && flush(longest);
+}
+
 std::optional<Duration> StateWriter::busy() const {
   const MutexLock lock(shared_->mutex);
   if (!shared_->began) return std::nullopt;

@@ -21,6 +21,9 @@ class StateWriter {
   void post(const std::string& name, std::function<void()> job, Duration not_before = {});
   // BLOCKS until all that was posted is done, whatever its time, for at most `longest`. false: it is not.
   bool flush(Duration longest);
+  // Posts it and BLOCKS until all is done, for at most `longest`, and not at all while a job has been hanging for so
+  // long. false: it is not done yet.
+  bool do_now(const std::string& name, std::function<void()> job, Duration longest);
   // How long the job under way has been taking, by the machine's clock; empty: there is none.
   std::optional<Duration> busy() const;
 

@@ -1,7 +1,7 @@
-// Preloaded into kasumi by its tests: a disk that does not answer. The file named by KASUMI_HUNG_DISK has lines "open TEXT"
-// and "fsync TEXT": such calls for files whose names hold TEXT wait until the line has gone. "fail TEXT": what is read of
-// such a file is an error (EIO), though it can be opened. "told TEXT FILE" appends the name of each file that is opened for
-// writing and holds TEXT to FILE.
+// Preloaded into kasumi by its tests: a disk that does not answer. The file named by KASUMI_HUNG_DISK has lines
+// "open TEXT" and "fsync TEXT": such calls for files whose names hold TEXT wait until the line has gone; "open" also
+// where a socket is made. "fail TEXT": what is read of such a file is an error (EIO), though it can be opened.
+// "told TEXT FILE" appends the name of each file that is opened for writing and holds TEXT to FILE.
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
@@ -10,7 +10,9 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 namespace {
@@ -87,6 +89,13 @@ extern "C" int open64(const char* name, int flags, ...) {
   const mode_t mode = mode_of(flags, arguments);
   va_end(arguments);
   return open_on_that_disk(name, flags, mode);
+}
+
+extern "C" int bind(int socket, const sockaddr* address, socklen_t length) {
+  const int before = errno;
+  if (address->sa_family == AF_UNIX) wait_for_disk("open", reinterpret_cast<const sockaddr_un*>(address)->sun_path);
+  errno = before;
+  return static_cast<int>(::syscall(SYS_bind, socket, address, length));
 }
 
 extern "C" int fsync(int fd) {

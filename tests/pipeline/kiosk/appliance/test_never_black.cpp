@@ -36,13 +36,12 @@ struct NeverBlack : testing::Test {
     manager.emplace();
   }
   // As the service, on a disk with these rules.
-  std::unique_ptr<Process> run() {
+  std::unique_ptr<Process> run(std::vector<std::pair<std::string, std::string>> variables = {}) {
     const auto library = kasumi_program().parent_path() / "libhung_disk.so";
-    return std::make_unique<Process>(
-        folder, std::vector<std::string>{"run", "--config", config.string()}, manager->path(), state,
-        kHasOwnCalls ? std::vector<std::pair<std::string, std::string>>{}
-                     : std::vector<std::pair<std::string, std::string>>{{"LD_PRELOAD", library.string()},
-                                                                        {"KASUMI_HUNG_DISK", rule.string()}});
+    if (!kHasOwnCalls)
+      variables.insert(variables.end(), {{"LD_PRELOAD", library.string()}, {"KASUMI_HUNG_DISK", rule.string()}});
+    return std::make_unique<Process>(folder, std::vector<std::string>{"run", "--config", config.string()},
+                                     manager->path(), state, variables);
   }
   bool is_ready() {
     return eventually([&] { return manager->heard().find("READY=1") != std::string::npos; });
@@ -73,6 +72,34 @@ TEST_F(NeverBlack, Row40ADiskWhoseWritesHangHoldsNoPictureUp) {
   EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
   EXPECT_TRUE(std::filesystem::exists(state / "starts.json"));
   EXPECT_EQ(status_in(folder)["reason"], "stopped");
+}
+
+// The runtime folder is memory, and yet a machine that swaps may wait for a disk there. Once with content, and once
+// with words alone.
+TEST_F(NeverBlack, Row53ARuntimeFolderThatHangsHoldsNoPictureUp) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  for (const std::string shown : {"live", "still"}) {
+    SCOPED_TRACE(shown);
+    make("runtime");
+    std::string rules;
+    for (const char* file : {".status.", "starts.", ".starts.", "clock.", ".clock.", "snapshot.sock"})
+      rules += fmt::format("open {}/{}\n", folder.string(), file);
+    ASSERT_TRUE(write_text_file(rule, rules));
+    if (shown == "still") {
+      ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + "\n[nonsense]\na = 1\n"));
+    }
+    const auto kasumi = run();
+    ASSERT_TRUE(is_ready()) << kasumi->log();
+    EXPECT_TRUE(eventually([&] { return manager->heard().find("STATUS=" + shown) != std::string::npos; }))
+        << kasumi->log();
+    EXPECT_FALSE(std::filesystem::exists(folder / "status.json"));
+    EXPECT_THAT(kasumi->log(), HasSubstr("the folder of status.json does not answer"));
+    std::filesystem::remove(rule);
+    EXPECT_TRUE(shows(shown)) << kasumi->log();
+    EXPECT_TRUE(eventually([&] { return std::filesystem::exists(folder / "snapshot.sock"); }));
+    kasumi->send(SIGTERM);
+    EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+  }
 }
 
 // Words are drawn by the thread that shows pictures: it goes on in the program's own letters.
