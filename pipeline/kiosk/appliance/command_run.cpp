@@ -15,6 +15,7 @@
 #include "pipeline/kiosk/appliance/safe_mode.hpp"
 #include "pipeline/kiosk/appliance/threads.hpp"
 #include "pipeline/kiosk/content/content_at_start.hpp"
+#include "pipeline/kiosk/start/shader_cache.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/camera_acceptance.hpp"
 #include "pipeline/machine/notifier.hpp"
@@ -159,6 +160,7 @@ Result<int> run(const RunArguments& arguments) {
   // Pictures go back to the kernel when they are given back. By default the bound grows with them up to 32 MiB, and each
   // thread keeps the largest it ever had.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  warm_shader_cache();
   const auto folders = service_folders();
   const auto kept_folder = folders.state.empty() ? std::filesystem::path() : folders.state / "last-good";
   const ContentPlace place{arguments.config, Generations(arguments.content)};

@@ -102,6 +102,19 @@ TEST_F(NeverBlack, Row53ARuntimeFolderThatHangsHoldsNoPictureUp) {
   }
 }
 
+// The driver reads its compiled shaders in the thread that shows pictures.
+TEST_F(NeverBlack, Row54AShaderCacheWhoseDiskHangsHoldsNoPictureUp) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("shaders");
+  ASSERT_TRUE(write_text_file(rule, fmt::format("open {}/shaders\n", folder.string())));
+  const auto kasumi = run({{"MESA_SHADER_CACHE_DIR", (folder / "shaders").string()}});
+  ASSERT_TRUE(is_ready()) << kasumi->log();
+  EXPECT_TRUE(shows("live")) << kasumi->log();
+  EXPECT_THAT(kasumi->log(), HasSubstr("shaders: does not answer: shaders are compiled anew"));
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0) << "with a thread left behind: " << kasumi->log();
+}
+
 // Words are drawn by the thread that shows pictures: it goes on in the program's own letters.
 TEST_F(NeverBlack, Row50FontsWhoseDiskHangsHoldNoPictureUp) {
   if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
