@@ -82,9 +82,13 @@ void ReloadLoop::begin() {
   notifier_.reloading();
   publish("reading");
   config_file_ = place_.config;
-  reading_.emplace(
-      Reading{Abandonable<Result<ContentPtr>>([place = place_] { return read_content(place.configuration()); }),
-              began_ + kReadingDeadline});
+  try {
+    reading_.emplace(
+        Reading{Abandonable<Result<ContentPtr>>([place = place_] { return read_content(place.configuration()); }),
+                began_ + kReadingDeadline});
+  } catch (const std::exception& thrown) {
+    refuse(fmt::format("{}: it cannot be read now: {}", config_file_.string(), thrown.what()));
+  }
 }
 
 // Checks at intervals for a new request and for the deadline.
@@ -106,6 +110,9 @@ void ReloadLoop::take_content() {
   } catch (const std::bad_alloc&) {
     reading_.reset();
     refuse("there is not enough memory for the new content beside the old one");
+  } catch (const std::exception& thrown) {  // no thread is left, for one
+    reading_.reset();
+    refuse(fmt::format("{}: it cannot be made ready now: {}", config_file_.string(), thrown.what()));
   }
 }
 

@@ -22,7 +22,7 @@ Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& opt
   if (!options.plain_letters) {
     auto picture = with_fonts<Result<Image<Rgba8>>>([text, style] {
                      return draw_caption(text, style);
-                   }).value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
+                   }).value_or(fail(FaultKind::io, "the fonts' disk does not answer, or no thread is left to ask it"));
     if (picture) return std::move(*picture);
     spdlog::warn("a message is drawn in plain letters: {}", picture.error().message);
   }

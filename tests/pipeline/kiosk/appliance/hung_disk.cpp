@@ -1,7 +1,8 @@
 // Preloaded into kasumi by its tests: a disk that does not answer. The file named by KASUMI_HUNG_DISK has lines
 // "open TEXT" and "fsync TEXT": such calls for files whose names hold TEXT wait until the line has gone; "open" also
 // where a socket is made. "fail TEXT": what is read of such a file is an error (EIO), though it can be opened.
-// "told TEXT FILE" appends the name of each file that is opened for writing and holds TEXT to FILE.
+// "told TEXT FILE" appends the name of each file that is opened for writing and holds TEXT to FILE. "no thread": none
+// can be begun.
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
@@ -10,6 +11,7 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/un.h>
@@ -96,6 +98,13 @@ extern "C" int bind(int socket, const sockaddr* address, socklen_t length) {
   if (address->sa_family == AF_UNIX) wait_for_disk("open", reinterpret_cast<const sockaddr_un*>(address)->sun_path);
   errno = before;
   return static_cast<int>(::syscall(SYS_bind, socket, address, length));
+}
+
+extern "C" int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* with) {
+  static const auto create = reinterpret_cast<int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>(
+      ::dlsym(RTLD_NEXT, "pthread_create"));
+  char rest[512];
+  return rule_for("no", "thread", rest, sizeof rest) ? EAGAIN : create(thread, attributes, run, with);
 }
 
 extern "C" int fsync(int fd) {

@@ -10,6 +10,7 @@
 #include "base/unique_fd.hpp"
 #include "pipeline/kiosk/start/kept_content.hpp"
 #include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
+#include "tests/pipeline/run_kasumi.hpp"
 #include "tests/pipeline/service_manager.hpp"
 
 namespace kasumi {
@@ -113,6 +114,29 @@ TEST_F(NeverBlack, Row54AShaderCacheWhoseDiskHangsHoldsNoPictureUp) {
   EXPECT_THAT(kasumi->log(), HasSubstr("shaders: does not answer: shaders are compiled anew"));
   kasumi->send(SIGTERM);
   EXPECT_EQ(kasumi->wait(20s), 0) << "with a thread left behind: " << kasumi->log();
+}
+
+// A machine at its limit of threads: words come in the program's own letters, and content at the next request.
+TEST_F(NeverBlack, Row55AMachineWithoutAThreadLeftKeepsItsPicture) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
+  make("threads");
+  ASSERT_TRUE(write_text_file(config, read_text_file(config).value() + "[snapshot]\nsharp = true\n"));
+  const auto kasumi = run();
+  ASSERT_TRUE(shows("live")) << kasumi->log();
+  ASSERT_TRUE(write_text_file(rule, "no thread\n"));
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["problems"].size() > 0; })) << kasumi->log();
+  EXPECT_THAT(status_in(folder)["content"]["problems"].dump(), HasSubstr("it cannot be read now"));
+  const auto sharp = run_kasumi(fmt::format("snapshot --sharp --folder {0} --out {0}/now.png", folder.string()));
+  EXPECT_EQ(sharp.code, 0) << "which is announced in words on the glass: " << sharp.err << kasumi->log();
+  EXPECT_EQ(status_in(folder)["display"]["resets"], 0) << kasumi->log();
+  EXPECT_EQ(status_in(folder)["shown"], "live");
+  std::filesystem::remove(rule);
+  kasumi->send(SIGHUP);
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["problems"].empty(); })) << kasumi->log();
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0) << kasumi->log();
+  EXPECT_THAT(kasumi->log(), testing::Not(HasSubstr("exiting without"))) << "no thread was left behind";
 }
 
 // Words are drawn by the thread that shows pictures: it goes on in the program's own letters.
