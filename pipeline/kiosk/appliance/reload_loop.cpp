@@ -17,8 +17,10 @@ using namespace std::chrono_literals;
 
 constexpr Duration kAnswerDeadline = 5min;   // a slow GPU with a heavy model; a loop that hangs is the watchdog's
 constexpr Duration kReadingDeadline = 1min;  // of everything that the content names
-constexpr Duration kReadingLook = 50ms;      // by the machine's clock
-constexpr int kReadingLooks = 20;            // a step
+// What reads longer may hang, and a newer request takes its place. Many requests in a row must not read side by side.
+constexpr Duration kReadingPatience = 5s;
+constexpr Duration kReadingLook = 50ms;  // by the machine's clock
+constexpr int kReadingLooks = 20;        // a step
 // Looks cost file system calls: a reload is awaited by a person, an era's change by the minute.
 constexpr Duration kReloadPollInterval = 10s;
 constexpr Duration kEraPollInterval = 1s;
@@ -85,7 +87,7 @@ void ReloadLoop::begin() {
   try {
     reading_.emplace(
         Reading{Abandonable<Result<ContentPtr>>([place = place_] { return read_content(place.configuration()); }),
-                began_ + kReadingDeadline});
+                began_ + kReadingPatience, began_ + kReadingDeadline});
   } catch (const std::exception& thrown) {
     refuse(fmt::format("{}: it cannot be read now: {}", config_file_.string(), thrown.what()));
   }
@@ -95,9 +97,10 @@ void ReloadLoop::begin() {
 void ReloadLoop::take_content() {
   try {
     std::optional<Result<ContentPtr>> content;
-    for (int i = 0; i < kReadingLooks && !content && !asked_ && clock_.now() < reading_->until; ++i)
+    const auto is_superseded = [&] { return asked_ && clock_.now() >= reading_->patient_until; };
+    for (int i = 0; i < kReadingLooks && !content && !is_superseded() && clock_.now() < reading_->until; ++i)
       content = reading_->content.take(kReadingLook);
-    if (!content && asked_) return reading_.reset();  // for the newer one
+    if (!content && is_superseded()) return reading_.reset();
     if (!content && clock_.now() < reading_->until) return;
     reading_.reset();
     if (!content)

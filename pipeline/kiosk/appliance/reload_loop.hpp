@@ -66,7 +66,7 @@ class ReloadLoop {
   };
   struct Reading {
     Abandonable<Result<ContentPtr>> content;
-    Instant until;
+    Instant patient_until, until;  // a newer request waits for the first, all end with the second
   };
   std::optional<Reading> reading_;  // in a thread of its own: a disk may never answer
   std::optional<Waiting> waiting_;  // for the render loop's answer

@@ -175,6 +175,28 @@ TEST_F(NeverBlack, Row51AJournalThatReadsNothingHoldsNoPictureUp) {
   std::filesystem::remove(log);
 }
 
+// A program that asks again and again, while content takes a while to be read: it is read once at a time.
+TEST_F(NeverBlack, Row36AStormOfReloadsReadsOneAtATime) {
+  make("storm");
+  const auto kasumi = run();
+  ASSERT_TRUE(shows("live")) << kasumi->log();
+  std::size_t most = 0;
+  const auto threads = [&] {
+    std::error_code error;
+    const std::filesystem::directory_iterator tasks(fmt::format("/proc/{}/task", kasumi->id()), error);
+    return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
+  };
+  const auto before = threads();
+  for (int i = 0; i < 300; ++i) {
+    kasumi->send(SIGHUP);
+    std::this_thread::sleep_for(10ms);
+    most = std::max(most, threads());
+  }
+  EXPECT_LE(most, before + 4) << "the content's, the model's and the stage's";
+  EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["reloaded_utc"].is_string(); })) << kasumi->log();
+  EXPECT_EQ(status_in(folder)["shown"], "live");
+}
+
 // Of the first one nobody hears again; the second is whole.
 TEST_F(NeverBlack, Row40AReloadThatHangsIsAbandonedForTheNext) {
   if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
