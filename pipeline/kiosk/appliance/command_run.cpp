@@ -1,5 +1,6 @@
 #include <malloc.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <memory>
 #include <thread>
@@ -157,6 +158,7 @@ Result<int> show(const RunArguments& arguments, const ContentPlace& place, const
 
 Result<int> run(const RunArguments& arguments) {
   never_wait_for_log();
+  std::signal(SIGXFSZ, SIG_IGN);  // beyond a limit of its size a file cannot be written, which is no reason to end
   // Pictures go back to the kernel when they are given back. By default the bound grows with them up to 32 MiB, and each
   // thread keeps the largest it ever had.
   ::mallopt(M_MMAP_THRESHOLD, 256 << 10);

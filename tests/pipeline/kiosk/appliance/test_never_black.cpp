@@ -116,6 +116,21 @@ TEST_F(NeverBlack, Row54AShaderCacheWhoseDiskHangsHoldsNoPictureUp) {
   EXPECT_EQ(kasumi->wait(20s), 0) << "with a thread left behind: " << kasumi->log();
 }
 
+// The kernel's answer to writing beyond a limit is a signal that ends a program.
+TEST_F(NeverBlack, Row21ALimitOfTheSizeOfFilesIsNoEnd) {
+  make("file-size");
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &none), 0);
+  const auto kasumi = run();
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  EXPECT_TRUE(is_ready());
+  EXPECT_TRUE(eventually([&] { return manager->heard().find("STATUS=live") != std::string::npos; }));
+  kasumi->send(SIGTERM);
+  EXPECT_EQ(kasumi->wait(20s), 0);
+}
+
 // A machine at its limit of threads: words come in the program's own letters, and content at the next request.
 TEST_F(NeverBlack, Row55AMachineWithoutAThreadLeftKeepsItsPicture) {
   if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
