@@ -45,9 +45,9 @@ std::optional<Ill> ill_of(Trouble trouble) {
 }
 
 // Of a long list the first, which often has caused the others.
-Symptom first_of(Ill ill, const std::vector<std::string>& lines) {
+Symptom first_of(Ill ill, const std::vector<std::string>& lines, std::size_t in_all) {
   if (lines.empty()) return {ill, {}};
-  return {ill, lines.front(), lines.size() - 1};
+  return {ill, lines.front(), std::max(in_all, lines.size()) - 1};
 }
 
 std::string joined(const std::vector<std::string>& lines) {
@@ -98,13 +98,17 @@ std::vector<std::string> other_hung_loops(const ToldStatus& told) {
 
 std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   std::vector<Symptom> symptoms;
-  const auto add_list = [&](Ill ill, const std::vector<std::string>& lines) {
+  const auto add_list = [&](Ill ill, const std::vector<std::string>& lines, std::size_t in_all) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
-    if (!lines.empty() && !known) symptoms.push_back(first_of(ill, lines));
+    if (!lines.empty() && !known) symptoms.push_back(first_of(ill, lines, in_all));
   };
   // Of a content that is refused again by a reload the newest words.
   const bool refused_again = !told.refused.empty() && !told.reload_problems.empty();
-  add_list(Ill::content_refused, refused_again ? told.reload_problems : told.refused);
+  const auto add_reload_problems = [&](Ill ill) { add_list(ill, told.reload_problems, told.reload_problems_in_all); };
+  if (refused_again)
+    add_reload_problems(Ill::content_refused);
+  else
+    add_list(Ill::content_refused, told.refused, told.refused_in_all);
   const auto add = [&](bool is_so, Ill ill, std::string detail) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });
     if (is_so && !known) symptoms.push_back({ill, std::move(detail)});
@@ -135,7 +139,7 @@ std::vector<Symptom> symptoms_of(const ToldStatus& told) {
   add(told.values.is("visibility.finding") && !told.values.is_not("clock_trusted"), Ill::observers_disagree,
       told.visibility_words);
   add_drift(told, symptoms);
-  if (!refused_again) add_list(Ill::reload_refused, told.reload_problems);
+  if (!refused_again) add_reload_problems(Ill::reload_refused);
   std::ranges::stable_sort(symptoms, [](const Symptom& a, const Symptom& b) {
     return hides_the_picture(a.ill) && !hides_the_picture(b.ill);
   });

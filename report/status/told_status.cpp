@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
@@ -57,6 +58,16 @@ class Part {
       if (entry.is_string()) lines.push_back(plain(entry.get_ref<const std::string&>()));
     });
     return lines;
+  }
+  // How many there are: the kiosk's last line may count those that it leaves out (lines_of() in base).
+  std::size_t count(std::string_view key) const {
+    const auto* found = find(key);
+    if (!found || !found->is_array() || found->empty()) return 0;
+    const auto last = found->back().is_string() ? found->back().get<std::string>() : std::string();
+    std::size_t more = 0;
+    int length = 0;
+    std::sscanf(last.c_str(), "and %8zu more%n", &more, &length);
+    return length > 0 && static_cast<std::size_t>(length) == last.size() ? found->size() - 1 + more : found->size();
   }
   double sum(std::string_view key, const Believed& believed) const {
     double total = 0.0;
@@ -130,6 +141,8 @@ void tell_content(const Part& root, ToldStatus& told) {
   told.last_good_utc = content.text("last_good_utc");
   told.refused = content.texts("refused");
   told.reload_problems = content.texts("problems");
+  told.refused_in_all = content.count("refused");
+  told.reload_problems_in_all = content.count("problems");
   const Part arrived = content.part("arrived");
   told.arrived = parse_utc(arrived.text("utc"));
   told.arrived_words = arrived.text("words");

@@ -47,8 +47,9 @@ struct ToldStatus {
   std::string draw_refused;
 
   std::string reloaded_utc, last_good_utc;
-  std::vector<std::string> refused, reload_problems;  // of the content
-  std::string arrived_words;                          // what came of the bundle that was brought last
+  std::vector<std::string> refused, reload_problems;           // of the content, the first few
+  std::size_t refused_in_all = 0, reload_problems_in_all = 0;  // with those that are only counted
+  std::string arrived_words;                                   // what came of the bundle that was brought last
   std::optional<Utc> arrived;
   std::vector<std::string> start_why;
 

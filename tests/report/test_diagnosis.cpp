@@ -113,6 +113,20 @@ TEST(Diagnoses, ContentThatAReloadRefusesAgainIsToldOnceAndAsItIsNow) {
   EXPECT_EQ(detail_text(symptoms[0], *parse_language("ja")), "as it is");
 }
 
+// The status lists the first fifty and counts the rest; of those we read sixteen.
+TEST(Diagnoses, AllProblemsAreCountedHoweverManyThereAre) {
+  const auto more = [](std::size_t lines, const std::string& last) {
+    std::string list;
+    for (std::size_t i = 0; i < lines; ++i) list += fmt::format("\"problem {}\", ", i);
+    const auto status = changed(kGoodStatus, "\"problems\": []", fmt::format("\"problems\": [{}\"{}\"]", list, last));
+    return diagnose(heard_of(status)).symptoms.at(0).more;
+  };
+  EXPECT_EQ(more(3, "the last"), 3U);
+  EXPECT_EQ(more(29, "the last"), 29U);
+  EXPECT_EQ(more(50, "and 59950 more"), 59999U);
+  EXPECT_EQ(more(50, "and 12 more files"), 50U) << "which is a problem";
+}
+
 // Nothing has ever worked here: then no earlier content is shown.
 TEST(Diagnoses, RefusedContentIsNotSaidToBeReplacedByContentThatIsNone) {
   const auto status = changed(changed(kGoodStatus, "\"live\", \"reason\": \"\"",
