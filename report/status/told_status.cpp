@@ -15,6 +15,10 @@ namespace {
 
 using Json = nlohmann::json;
 
+// Characters that turn what follows around: a page or a terminal would show other words than are there.
+constexpr std::string_view kTurningMarks[] = {"\u202a", "\u202b", "\u202c", "\u202d", "\u202e",
+                                              "\u2066", "\u2067", "\u2068", "\u2069"};
+
 // One line of at most kMostTextBytes whole characters.
 std::string plain(const std::string& text) {
   auto end = std::min(text.size(), kMostTextBytes);
@@ -22,6 +26,8 @@ std::string plain(const std::string& text) {
   std::string line = text.substr(0, end);
   for (char& c : line)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  for (const auto mark : kTurningMarks)
+    for (auto at = line.find(mark); at != std::string::npos; at = line.find(mark, at)) line.erase(at, mark.size());
   return line;
 }
 

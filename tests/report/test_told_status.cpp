@@ -77,10 +77,11 @@ TEST(ToldStatus, TheDeepAndTheLargeAreRefusedUnread) {
 TEST(ToldStatus, TextsAreCutAndPlain) {
   std::string umlauts;
   for (int i = 0; i < 500; ++i) umlauts += "ü";
-  const auto told = parse_status("{\"reason\": \"x" + umlauts + "\", \"sky\": \"a\\u0000\\n\\u001b[31mb\"}").value();
+  const auto told =
+      parse_status("{\"reason\": \"x" + umlauts + "\", \"sky\": \"a\\u0000\\n\\u001b[31mb\\u202ec\\u2067\"}").value();
   EXPECT_LE(told.reason.size(), kMostTextBytes);
   EXPECT_EQ(told.reason.size() % 2, 1U) << "cut between characters, not within one";
-  EXPECT_EQ(told.sky, "a   [31mb");
+  EXPECT_EQ(told.sky, "a   [31mbc");
 }
 
 TEST(ToldStatus, ListsAreCut) {
