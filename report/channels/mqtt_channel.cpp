@@ -132,8 +132,10 @@ class MqttChannel::Talk {
     if (std::exchange(another_told_, true)) return;
     fmt::print(
         stderr,
-        "<4>mqtt: {} port {}: another client uses the topic {}, and each throws the other off: give each kiosk a "
-        "topic of its own (mqtt.topic). It is tried again every {:.0f} s\n",
+        "<4>mqtt: {} port {}: each connection ends within seconds: another client uses the topic {}, and each throws "
+        "the other off (give each kiosk a topic of its own, mqtt.topic), or the broker ends them by itself. It is "
+        "tried "
+        "again every {:.0f} s\n",
         options_.host, options_.port, options_.topic, to_seconds(patience_.longest_wait));
   }
   void tell_that_it_works() {

@@ -157,6 +157,7 @@ TEST(MqttChannel, Row43AnotherClientOfTheSameNameIsNamedOnceAndGivenRoom) {
   const auto log = testing::internal::GetCapturedStderr();
   EXPECT_THAT(log, HasSubstr("another client uses the topic kasumi/hill"));
   EXPECT_EQ(log.find("another client"), log.rfind("another client"));
+  EXPECT_THAT(log, HasSubstr("or the broker ends them by itself")) << "as here";
 }
 
 // Whoever waits ends the other's connection when it comes back: for hours, without a word in either log.
