@@ -124,7 +124,7 @@ void add_replay_command(CLI::App& app, Action& action) {
                    "Left of this share of the width the camera's picture alone, as a visitor wipes it")
       ->check(CLI::Range(0.0, 1.0));
   command->add_option("--view", arguments->view, "The building as a visitor may choose to see it")
-      ->check(CLI::IsMember({"live", "alone", "clear_air", "evening"}))
+      ->check(CLI::IsMember(std::vector<std::string>(kBuildingViewNames.begin(), kBuildingViewNames.end())))
       ->capture_default_str();
   command
       ->add_option("--scattering", arguments->scattering,

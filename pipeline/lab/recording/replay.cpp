@@ -236,8 +236,9 @@ class Run {
     if (overlay_)
       if (auto drawn = overlay_->draw(target); !drawn) return drawn;
     const MessageOptions letters;
-    return then_and_now_.draw(output_.context(), hand_view(request_.wipe, latest_, letters.language, request_.view),
-                              letters, target);
+    const auto hour = hour_of(request_.view, latest_.utc, site_, {});  // recordings name no time zone
+    return then_and_now_.draw(
+        output_.context(), hand_view(request_.wipe, latest_, letters.language, request_.view, hour), letters, target);
   }
 
   Result<> skip_or_fail(const Frame& frame, const Fault& fault) {

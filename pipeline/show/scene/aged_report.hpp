@@ -15,6 +15,10 @@ constexpr Duration kSunHold = std::chrono::minutes(10);    // of a sun seen in t
 // sun hold for a while. Only the widths of what drifts stay as they were. `later` >= 0, else it counts as 0.
 SkyReport aged(SkyReport report, Duration later, const Installation& installation);
 
+// When that hour of this day is: the first time after noon at which the sun stands 6 degrees high, the last one before it,
+// or noon by the mean sun. Where it never stands so low, when it is lowest.
+Utc time_of(BuildingView hour, Utc now, const Site& site);
+
 // The same report with the sky in which that view is lit. A view of the same light is left as it is.
 SkyReport lit_for(BuildingView view, SkyReport report, const Site& site);
 

@@ -17,8 +17,12 @@ Result<> Compositor::draw(const Frame& frame, const SkyReport& sky, const DrawTa
 
 Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                           const DrawTarget& target) {
-  if (auto passed = frame_.pass(renderer_, picture, dims()); !passed) return passed;
+  const bool dimmed = dims();
+  if (auto passed = frame_.pass(renderer_, picture, dimmed); !passed) return passed;
   if (auto followed = follow(metadata, picture, sky); !followed) return followed;
+  // The layer of another view has just become whole.
+  if (dims() != dimmed)
+    if (auto passed = frame_.pass(renderer_, picture, dims()); !passed) return passed;
   return show(target);
 }
 
@@ -44,24 +48,32 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
     const PixelBox box = renderer_.object_box();
     around_.look_at_ground(metadata, picture.view(), *layer_.appearance_at(now, air_, box), air_.measured(now, box));
   }
-  const bool is_now = view_ == BuildingView::live || view_ == BuildingView::alone;
-  const LayerConditions under =
-      is_now ? LayerConditions{now, wanted, around_.ground()}
-             : LayerConditions{air_.conditions(lit_for(view_, sky, site_), view_), wanted, GroundLook{}};
+  const auto under = under_view(now, wanted, sky);
   auto updated = clock_ && layer_.any() ? layer_.update_in_slices(renderer_, air_, under, metadata.captured_at, *clock_)
                                         : layer_.update_at_once(renderer_, air_, under);
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
-  if (is_now && layer_.view() == BuildingView::live) around_.ask_about_ground(layer_.appearance(), *measured_);
+  if (!is_in_other_light() && layer_.view() == BuildingView::live)
+    around_.ask_about_ground(layer_.appearance(), *measured_);
   measured_ = light_of_view(std::move(*measured_), now);
   if (!updated) return updated;
   return renderer_.set_in_front(around_.look_for_passers(picture.view(), metadata.captured_at, renderer_.object_box()));
 }
 
-// The camera's exposure and white balance are those of now: the evening's horizon is as bright to it as this one, and has
+bool Compositor::is_in_other_light() const {
+  return view_ != BuildingView::live && view_ != BuildingView::alone;
+}
+
+LayerConditions Compositor::under_view(const SceneConditions& now, const ObjectDetail& detail,
+                                       const SkyReport& sky) const {
+  if (!is_in_other_light()) return {now, detail, around_.ground()};
+  return {air_.conditions(lit_for(view_, sky, site_), view_), detail, GroundLook{}};
+}
+
+// The camera's exposure and white balance are those of now: another hour's horizon is as bright to it as this one, and has
 // the colour that it would have.
 AirlightGrid Compositor::light_of_view(AirlightGrid measured, const SceneConditions& now) {
-  if (layer_.view() != BuildingView::evening || !layer_.appearance()) return measured;
+  if (!is_another_hour(layer_.view()) || !layer_.appearance()) return measured;
   if (tint_.layer != layer_.drawn()) {
     const auto mean = [](const AirlightGrid& grid) {
       glm::dvec3 sum{0.0};
@@ -103,10 +115,10 @@ Result<> Compositor::draw_for_plane(const DrawTarget& target) {
 
 Result<> Compositor::begin_layer(const SkyReport& sky, PixelLayout layout) {
   const auto now = air_.conditions(sky);
-  const LayerConditions under{now, detail_for_gles(quality_, layout, now.haze_blur_px), around_.ground()};
+  const auto under = under_view(now, detail_for_gles(quality_, layout, now.haze_blur_px), sky);
   if (auto fitted = layer_.fit(renderer_, under.detail); !fitted) return fitted;
   measured_ = air_.measured(now, renderer_.object_box());
-  return layer_.begin(renderer_, under, air_.appearance(now, renderer_.object_box(), under.ground));
+  return layer_.begin(renderer_, under, air_.appearance(under.scene, renderer_.object_box(), under.ground));
 }
 
 Result<> Compositor::rehearse(PixelLayout layout, const DrawTarget& target) {

@@ -116,6 +116,8 @@ class Compositor {
   Result<> follow(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky);
   Result<> show(const DrawTarget& target);
   bool dims() const { return is_dimmed(clock_ ? shown_view() : view_); }
+  bool is_in_other_light() const;  // the view that is wanted, than that of now
+  LayerConditions under_view(const SceneConditions& now, const ObjectDetail& detail, const SkyReport& sky) const;
   AirlightGrid light_of_view(AirlightGrid measured, const SceneConditions& now);
 
   std::future<void> filters_;  // of the sky, on their way
@@ -129,11 +131,11 @@ class Compositor {
   glm::dvec3 white_balance_;
   Site site_;
   BuildingView view_ = BuildingView::live;
-  struct EveningTint {
+  struct HourTint {
     std::uint64_t layer = 0;
     glm::dvec3 factor{1.0};
   };
-  EveningTint tint_;                      // of the layer of the evening
+  HourTint tint_;                         // of the layer of another hour
   int width_, height_;                    // of the camera's pictures
   const Clock* clock_ = nullptr;          // live; null: everything is done at once
   SensorNoise noise_;                     // of the picture drawn last

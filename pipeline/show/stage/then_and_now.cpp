@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/words/texts.hpp"
+#include "pipeline/show/scene/aged_report.hpp"
+#include "pipeline/site/config/opening_hours.hpp"
 
 namespace kasumi {
 
@@ -19,21 +21,29 @@ std::string_view air_text(const SkyReport& sky) {
 
 }  // namespace
 
-std::string title_of(BuildingView view, Language language) {
-  switch (view) {
-    case BuildingView::live: return {};
-    case BuildingView::alone: return std::string(text_of("hand.view_alone", language));
-    case BuildingView::clear_air: return std::string(text_of("hand.view_clear_air", language));
-    case BuildingView::evening: return std::string(text_of("hand.view_evening", language));
-  }
-  return {};
+std::string title_of(BuildingView view, Language language, const std::string& hour) {
+  if (view == BuildingView::live) return {};
+  std::string title(text_of(fmt::format("hand.view_{}", kBuildingViewNames[static_cast<std::size_t>(view)]), language));
+  return hour.empty() ? title : fmt::format("{} ({})", title, hour);
 }
 
-HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view) {
+std::string hour_of(BuildingView view, Utc now, const Site& site, const std::string& time_zone) {
+  if (!is_another_hour(view)) return {};
+  const Utc time = time_of(view, now, site);
+  const auto wall = time_zone.empty() ? std::chrono::local_time<Duration>(time.time_since_epoch()) +
+                                            from_seconds(240.0 * site.longitude_deg)
+                                      : local_time(time_zone, time);
+  const auto five = std::chrono::round<std::chrono::duration<int, std::ratio<300>>>(
+      wall - std::chrono::floor<std::chrono::days>(wall));
+  const std::chrono::hh_mm_ss clock(std::chrono::minutes(five) % std::chrono::hours(24));
+  return fmt::format("{:02}:{:02}", clock.hours().count(), clock.minutes().count());
+}
+
+HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view, const std::string& hour) {
   if (!(bare > 0.0) && view == BuildingView::live) return {};
   const auto air = view == BuildingView::clear_air ? "hand.then_supposed" : air_text(sky);
   std::string then(text_of(air, language));
-  if (view != BuildingView::live) then = title_of(view, language) + "\n" + then;
+  if (view != BuildingView::live) then = title_of(view, language, hour) + "\n" + then;
   return {bare, bare > 0.0 ? std::string(text_of("hand.now", language)) : std::string(), std::move(then)};
 }
 

@@ -20,10 +20,14 @@ struct HandView {
   friend bool operator==(const HandView&, const HandView&) = default;
 };
 
-// Of a picture with the building drawn under that air, in that view.
-HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view = BuildingView::live);
-// "The building in clear air"; empty: live.
-std::string title_of(BuildingView view, Language language);
+// Of a picture with the building drawn under that air, in that view; `hour`: hour_of() it.
+HandView hand_view(double bare, const SkyReport& sky, Language language, BuildingView view = BuildingView::live,
+                   const std::string& hour = {});
+// "The building this evening (18:25)"; empty: live.
+std::string title_of(BuildingView view, Language language, const std::string& hour = {});
+// Of a view of another hour that day, to five minutes by the clock of that zone; without one by the mean sun. Empty: of
+// other views.
+std::string hour_of(BuildingView view, Utc now, const Site& site, const std::string& time_zone);
 
 class ThenAndNow {
  public:

@@ -213,7 +213,7 @@ double mean_green(const Image<Rgb8>& picture, int from, int to) {
   return sum / (40.0 * (to - from));
 }
 
-TEST(Visitor, TheBuildingIsSeenAloneInClearAirAndInTheEvening) {
+TEST(Visitor, TheBuildingIsSeenAloneInClearAirAndAtOtherHours) {
   Kiosk kiosk("views");
   auto& rig = *kiosk.rig;
   const auto shown_view = [&] { return rig.appliance->render().shown_view(); };
@@ -232,9 +232,18 @@ TEST(Visitor, TheBuildingIsSeenAloneInClearAirAndInTheEvening) {
   const auto clear = rig.picture();
   EXPECT_LT(difference(clear, plain, 20, 40), 0.5) << "the sky is as it is";
   EXPECT_GT(difference(clear, plain, 60, 260), 0.05) << "the building is in other air";
-  next();
-  EXPECT_TRUE(rig.advance_until([&] { return shown_view() == BuildingView::evening; }, 10s));
-  rig.advance(4s);
+  for (const auto hour : {BuildingView::morning, BuildingView::noon, BuildingView::evening}) {
+    next();
+    int undimmed = 0;
+    const auto is_there = [&] {
+      const double sky = mean_green(rig.picture(), 20, 40);
+      if (shown_view() == hour && sky > 1.2 * kDimmed * mean_green(plain, 20, 40)) ++undimmed;
+      return shown_view() == hour;
+    };
+    EXPECT_TRUE(rig.advance_until(is_there, 10s)) << "hour " << static_cast<int>(hour);
+    EXPECT_EQ(undimmed, 0) << "its layer comes with the dimming";
+    rig.advance(4s);
+  }
   const auto evening = rig.picture();
   EXPECT_GT(difference(evening, alone, 60, 260), 0.05) << "under another sun";
   EXPECT_TRUE(rig.advance_until([&] { return shown_view() == BuildingView::live; }, 60s)) << "without a hand for 45 s";
