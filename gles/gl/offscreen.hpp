@@ -1,6 +1,8 @@
 // An offscreen framebuffer, for pictures that are written to files.
 #pragma once
 
+#include <utility>
+
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
@@ -18,6 +20,8 @@ class Offscreen {
 
   DrawTarget target() const;
   int samples() const { return samples_; }
+  // What was drawn, without multisampling; the framebuffer is gone with it.
+  GlTexture take_colour() && { return std::move(resolved_colour_); }
   // BLOCKS until everything is drawn. Rows from the top.
   Result<Image<Rgb8>> read();
 

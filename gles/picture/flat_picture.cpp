@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "gles/gl/gl.hpp"
-#include "gles/gl/objects.hpp"
 #include "gles/gl/program.hpp"
 #include "gles/gl/surface_texture.hpp"
 
@@ -72,22 +71,35 @@ Result<FlatPicture> FlatPicture::create(GlContext& context, const FlatTexels& gi
   if (texels.width() > info.max_texture_size || texels.height() > info.max_texture_size)
     return fail(FaultKind::bad_input, "a flat picture of {} x {} pixels: this driver supports at most {}",
                 texels.width(), texels.height(), info.max_texture_size);
-  auto program = Program::build({}, "flat.vert", "flat.frag");
-  if (!program) return fail(program.error());
-
-  auto state =
-      std::make_unique<State>(State{given.width, given.height, std::move(*program), make_texture(), make_buffer()});
+  auto texture = make_texture();
   glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, state->texture.name());
+  glBindTexture(GL_TEXTURE_2D, texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
   glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, texels.width(), texels.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
                texels.elements().data());
   clamp_to_edge();
   const auto is_power_of_two = [](int size) { return std::has_single_bit(static_cast<unsigned>(size)); };
-  state->has_mipmaps = info.es_major >= 3 || info.has("GL_OES_texture_npot") ||
-                       (is_power_of_two(texels.width()) && is_power_of_two(texels.height()));
-  if (state->has_mipmaps) glGenerateMipmap(GL_TEXTURE_2D);
+  const bool has_mipmaps = info.es_major >= 3 || info.has("GL_OES_texture_npot") ||
+                           (is_power_of_two(texels.width()) && is_power_of_two(texels.height()));
+  if (has_mipmaps) glGenerateMipmap(GL_TEXTURE_2D);
+  return of_texture(given.width, given.height, std::move(texture), has_mipmaps);
+}
 
+Result<FlatPicture> FlatPicture::create(Offscreen drawn) {
+  const auto target = drawn.target();
+  glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
+  glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_TRUE);
+  glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  return of_texture(target.width, target.height, std::move(drawn).take_colour(), false);
+}
+
+Result<FlatPicture> FlatPicture::of_texture(int width, int height, GlTexture texture, bool has_mipmaps) {
+  auto program = Program::build({}, "flat.vert", "flat.frag");
+  if (!program) return fail(program.error());
+  auto state = std::make_unique<State>(
+      State{width, height, std::move(*program), std::move(texture), make_buffer(), has_mipmaps});
   constexpr std::array<float, 8> kCorners{0, 0, 1, 0, 0, 1, 1, 1};
   glBindBuffer(GL_ARRAY_BUFFER, state->corners.name());
   glBufferData(GL_ARRAY_BUFFER, sizeof kCorners, kCorners.data(), GL_STATIC_DRAW);

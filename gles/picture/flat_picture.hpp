@@ -9,6 +9,8 @@
 #include "base/image.hpp"
 #include "base/result.hpp"
 #include "gles/gl/context.hpp"
+#include "gles/gl/objects.hpp"
+#include "gles/gl/offscreen.hpp"
 #include "gles/gl/target.hpp"
 
 namespace kasumi {
@@ -38,6 +40,8 @@ class FlatPicture {
   static Result<FlatPicture> create(GlContext& context, const Image<Rgba8>& picture);
   // Errors: bad_input (empty, or beyond the driver's limit), device.
   static Result<FlatPicture> create(GlContext& context, const FlatTexels& texels);
+  // Of what was drawn offscreen, opaque; without a copy. Errors: device.
+  static Result<FlatPicture> create(Offscreen drawn);
   FlatPicture(FlatPicture&&) noexcept;
   FlatPicture& operator=(FlatPicture&&) noexcept;
   ~FlatPicture();
@@ -50,6 +54,7 @@ class FlatPicture {
  private:
   struct State;
   explicit FlatPicture(std::unique_ptr<State> state);
+  static Result<FlatPicture> of_texture(int width, int height, GlTexture texture, bool has_mipmaps);
   std::unique_ptr<State> state_;
 };
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -113,10 +114,13 @@ struct HorizonMailbox : Mailbox {
   Bell bell;
 };
 
+constexpr std::size_t kNoEra = std::numeric_limits<std::size_t>::max();
+
 struct ReloadMailbox {
   Pulse pulse{"reload"};
   LatestSlot<StageAnswer> answer;
-  std::atomic<std::size_t> era_further = 0;  // a visitor's choice: so many after the one of the day
+  std::atomic<std::size_t> era_further = 0;       // a visitor's choice: so many after the one of the day
+  std::atomic<std::size_t> era_refused = kNoEra;  // the last that could not be shown, until it can
   Bell bell;
 };
 

@@ -70,6 +70,7 @@ void ReloadLoop::ask() {
 
 Instant ReloadLoop::step() {
   mailboxes_.reload.pulse.turn(clock_.now(), kReloadPollInterval + kComputingBound);
+  if (waiting_) leave_era();
   if (waiting_) take_answer();
   if (!waiting_ && asked_.exchange(false)) begin();
   if (reading_) take_content();
@@ -121,9 +122,9 @@ void ReloadLoop::take_content() {
 
 // By a clock that is not trusted the era stays as it is; then there is no building to see either.
 void ReloadLoop::change_era() {
-  if (!content_->eras || !mailboxes_.check.clock_trusted || clock_.now() < era_again_) return;
+  if (!content_->eras || !mailboxes_.check.clock_trusted) return;
   auto content = in_its_era(content_, clock_.utc(), mailboxes_.reload.era_further);
-  if (content == content_) return;
+  if (content == content_ || (content->era == refused_era_ && clock_.now() < era_again_)) return;
   try {
     waiting_ = {content, nullptr, clock_.now(), Change::era};
     if (auto fits = fits_beside_the_old(*content, probes_.memory_left()); !fits)
@@ -132,6 +133,15 @@ void ReloadLoop::change_era() {
   } catch (const std::bad_alloc&) {
     refuse_era("there is not enough memory for it beside the one before");
   }
+}
+
+// A visitor has chosen on, or gone: nobody is to see what is prepared still.
+void ReloadLoop::leave_era() {
+  if (waiting_->change != Change::era) return;
+  if (in_its_era(content_, clock_.utc(), mailboxes_.reload.era_further)->era == waiting_->content->era) return;
+  mailboxes_.render.order.put({++orders_, nullptr, nullptr});
+  waiting_.reset();
+  publish({});
 }
 
 void ReloadLoop::order(ContentPtr content, Change change) {
@@ -165,8 +175,7 @@ void ReloadLoop::adopt() {
   content_ = waiting_->content;
   spdlog::info("{}: reloaded", config_file_.string());
   for (Mailbox* mailbox : mailboxes_.all()) mailbox->content.put(content_);
-  status_.era_problem.clear();
-  era_again_ = clock_.now();
+  forget_refused_era();
   end({});
 }
 
@@ -174,7 +183,8 @@ void ReloadLoop::adopt() {
 void ReloadLoop::adopt_era() {
   content_ = waiting_->content;
   waiting_.reset();
-  status_.era_problem.clear();
+  // A visitor may ask for the refused one again: its problem stays for operators.
+  if (!content_->config.visitor || refused_era_ == content_->era || clock_.now() >= era_again_) forget_refused_era();
   spdlog::info("era: {}", era_name(*content_));
   mailboxes_.render.content.put(content_);
   mailboxes_.status->content.put(content_);
@@ -185,11 +195,19 @@ void ReloadLoop::adopt_era() {
 void ReloadLoop::refuse_era(const std::string& problems) {
   auto text = fmt::format("the era \"{}\" cannot be shown, keeping \"{}\": {}", era_name(*waiting_->content),
                           era_name(*content_), problems);
+  refused_era_ = mailboxes_.reload.era_refused = waiting_->content->era;
   waiting_.reset();
   era_again_ = clock_.now() + kRefusedEraPause;
   if (text != status_.era_problem) spdlog::error("{}", text);
   status_.era_problem = std::move(text);
   publish({});
+  mailboxes_.render.bell.ring();
+}
+
+void ReloadLoop::forget_refused_era() {
+  status_.era_problem.clear();
+  refused_era_.reset();
+  mailboxes_.reload.era_refused = kNoEra;
 }
 
 void ReloadLoop::refuse(const std::string& problems) {

@@ -41,11 +41,13 @@ class ReloadLoop {
   void begin();
   void take_content();
   void change_era();
+  void leave_era();
   void order(ContentPtr content, Change change);
   void take_answer();
   void adopt();
   void adopt_era();
   void refuse_era(const std::string& problems);
+  void forget_refused_era();
   void refuse(const std::string& problems);
   void end(std::vector<std::string> problems);
   void publish(std::string doing);
@@ -72,7 +74,8 @@ class ReloadLoop {
   std::optional<Waiting> waiting_;  // for the render loop's answer
   std::uint64_t orders_ = 0;
   Instant began_{};
-  Instant era_again_;  // when an era that was refused is tried again
+  std::optional<std::size_t> refused_era_;  // the last
+  Instant era_again_;                       // when it is tried again
   ReloadStatus status_;
 };
 

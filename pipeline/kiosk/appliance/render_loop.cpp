@@ -19,6 +19,7 @@ constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to c
 constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
+constexpr Duration kEraFade = 400ms;     // seen as a change, and over before one waits for it
 constexpr Duration kVisitorStep = 20ms;  // a hand that wipes sees its wipe follow
 constexpr Duration kRenderStatusInterval = 500ms;
 constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
@@ -121,7 +122,9 @@ Instant RenderLoop::take_step() {
   if (!screen_.is_open()) return screen_.next_attempt(now + kPollInterval);
   if (screen_.is_off()) return now + kPollInterval;
   if (visitor_.is_moving()) return now + kVisitorStep;
-  return is_fading(status_.rung) ? now + kFadeStep : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
+  return is_fading(status_.rung) || (shown_ && shown_->before > 0.0)
+             ? now + kFadeStep
+             : std::min(shown_at_ + kRefreshInterval, now + kPollInterval);
 }
 
 // Whether a restart would help nobody knows, but nothing else is left to try.
@@ -143,20 +146,36 @@ void RenderLoop::adopt_content() {
   const bool is_seen = screen_.is_open() && status_.rung.still < 1.0 && !is_closed();
   if (!new_content_ || (is_seen && !waiting_)) return;
   const auto content = std::exchange(new_content_, nullptr);
+  auto before = is_seen ? what_fades_into(*content) : std::nullopt;
   if (auto adopted = screen_.adopt(content, next_.take(content)); !adopted) {
     spdlog::error("the new content cannot be drawn, keeping the old content: {}", adopted.error().message);
     return;
   }
   content_ = content;
+  fading_since_.reset();
+  if (before && screen_.is_open()) {
+    screen_.stage().fade_from(std::move(*before));
+    fading_since_ = clock_.now();
+  }
   snapshots_.allow_pages(content_->config.snapshot.screen_picture);
   visitor_.use(*content_);
   ladder_.adopt(patient_with(content_->config.ladder, camera_.frame_interval));
   shown_.reset();
 }
 
+// Visitors see one era give way to the next; the rest of new content is as if it had always been there.
+std::optional<FlatPicture> RenderLoop::what_fades_into(const Content& content) {
+  if (!content.config.visitor || !target_size_ || !content.eras || content.eras != content_->eras) return std::nullopt;
+  if (!is_building_seen() || !screen_.display()->context().make_current()) return std::nullopt;
+  auto scene = screen_.stage().still_scene(target_size_->first, target_size_->second);
+  if (scene) return std::move(*scene);
+  spdlog::warn("era: shown without fading: {}", scene.error().message);
+  return std::nullopt;
+}
+
 // Which era is to be seen is the reload's to bring about.
 void RenderLoop::follow_visitor() {
-  visitor_.step();
+  visitor_.step(mailboxes_.reload.era_refused);
   if (mailboxes_.reload.era_further.exchange(visitor_.era()) != visitor_.era()) mailboxes_.reload.bell.ring();
 }
 
@@ -182,7 +201,7 @@ void RenderLoop::prepare_next_stage() {
   auto* display = screen_.display();
   if (!display) return answer(next_.lose());
   if (!display->context().make_current()) return;  // beginning the next picture says why
-  Rehearsal rehearsal{sky_.report, layout_};
+  Rehearsal rehearsal{.sky = sky_.report, .layout = layout_, .view = visitor_.view()};
   if (target_size_) std::tie(rehearsal.target_width, rehearsal.target_height) = *target_size_;
   const auto began = clock_.now();
   const auto longest = std::clamp<Duration>(began - turned_, kPreparingTime, kLongestPreparing);
@@ -269,7 +288,10 @@ Composition RenderLoop::composition() const {
   all.print = visitor_.print();
   // Where there is no building, then is as now.
   if (!is_building_seen()) return all;
-  all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language(), screen_.stage().scene().shown_view());
+  const auto shown = screen_.stage().scene().shown_view();
+  all.hand = hand_view(visitor_.bare(), sky_.report, visitor_.language(), shown, visitor_.hour_of(shown));
+  all.view = visitor_.view();
+  if (fading_since_) all.before = std::max(0.0, 1.0 - to_seconds(clock_.now() - *fading_since_) / to_seconds(kEraFade));
   all.hints = visitor_.hints();
   all.hand.above_hints = !all.hints.empty();
   all.story = visitor_.story();

@@ -44,6 +44,7 @@ class RenderLoop {
   void follow_visitor();
   void take_content();
   void adopt_content();
+  std::optional<FlatPicture> what_fades_into(const Content& content);
   void take_order();
   void prepare_next_stage();
   void answer(const std::optional<StageAnswer>& answer);
@@ -99,7 +100,8 @@ class RenderLoop {
   SnapshotDesk snapshots_;
   VisitorDesk visitor_;
   std::optional<Composition> shown_;
-  Instant turned_;  // when the present step began
+  std::optional<Instant> fading_since_;  // from one era to the next
+  Instant turned_;                       // when the present step began
   Instant shown_at_;
   std::optional<Instant> published_at_;
   Instant minute_began_;

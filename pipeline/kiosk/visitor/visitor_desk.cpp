@@ -1,6 +1,7 @@
 #include "pipeline/kiosk/visitor/visitor_desk.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/words/texts.hpp"
 
@@ -10,7 +11,9 @@ namespace {
 
 // Chosen: a new building is looked at for some seconds before its name is read.
 constexpr Duration kEraIsSaid = std::chrono::seconds(5);
-constexpr double kLargePrint = 1.6;  // of the usual size; labels still fit on half a screen
+constexpr Duration kEraIsAwaited = std::chrono::seconds(20);  // then the visitor reads that it does not come
+constexpr Duration kRefusalIsSaid = std::chrono::seconds(8);  // two lines are read twice
+constexpr double kLargePrint = 1.6;                           // of the usual size; labels still fit on half a screen
 
 std::vector<std::string> names_of(const std::vector<Era>& eras) {
   std::vector<std::string> names;
@@ -42,6 +45,8 @@ void VisitorDesk::use(const Content& content) {
   const bool same_eras = names_of(config.eras) == names_of(eras_);
   eras_ = config.eras;
   time_zone_ = config.opening.time_zone;
+  site_ = config.installation.site;
+  hours_as_of_.reset();
   if (options_ == config.visitor && same_eras && languages == languages_) {
     if (hand_) hand_->offer_stories(stories().size());
     return;
@@ -73,12 +78,37 @@ void VisitorDesk::end_links() {
   links_.clear();
 }
 
-void VisitorDesk::step() {
+void VisitorDesk::step(std::size_t refused) {
   if (!hand_) return;
   const auto now = clock_.now();
   for (const auto& link : links_)
     for (const auto& event : link->take(now)) hand_->take(event, now);
   hand_->step(now);
+  follow_era(refused);
+  if (!hand_->is_idle()) follow_day();
+}
+
+// The sun's day begins at another hour everywhere: looked up once an hour.
+void VisitorDesk::follow_day() {
+  const Utc hour = std::chrono::floor<std::chrono::hours>(clock_.utc());
+  if (std::exchange(hours_as_of_, hour) == hour) return;
+  for (std::size_t i = 0; i < kBuildingViews; ++i)
+    hours_[i] = kasumi::hour_of(static_cast<BuildingView>(i), hour, site_, time_zone_);
+}
+
+void VisitorDesk::follow_era(std::size_t refused) {
+  const auto now = clock_.now();
+  if (std::exchange(asked_era_, era()) != era() || hand_->is_idle()) {
+    era_asked_at_ = hand_->is_idle() ? std::nullopt : std::optional(now);
+    era_given_up_.reset();
+  }
+  if (!era_asked_at_) return;
+  const auto chosen = chosen_era();
+  if (chosen == shown_era_)
+    era_given_up_.reset();
+  else if (!era_given_up_ &&
+           (now - *era_asked_at_ >= kEraIsAwaited || (refused < eras_.size() && eras_[refused].name == chosen)))
+    era_given_up_ = now;
 }
 
 Language VisitorDesk::language() const {
@@ -140,20 +170,27 @@ std::vector<std::string> VisitorDesk::hints() const {
   return texts;
 }
 
+// Named while it is prepared and when it is there; else that it does not come.
+std::string VisitorDesk::era_note() const {
+  if (!era_asked_at_) return {};
+  const auto chosen = chosen_era(), title = title_of_era(chosen);
+  const auto now = clock_.now();
+  if (chosen == shown_era_) return now - std::max(era_shown_at_, *era_asked_at_) < kEraIsSaid ? title : std::string();
+  if (!era_given_up_) return title + " ...";
+  return now - *era_given_up_ < kRefusalIsSaid ? title + "\n" + std::string(text_of("hand.era_refused", language()))
+                                               : std::string();
+}
+
 std::string VisitorDesk::note() const {
   if (!hand_) return {};
-  if (era() != 0) {
-    const auto chosen = chosen_era();
-    if (chosen != shown_era_) return title_of_era(chosen) + " ...";  // being prepared
-    if (clock_.now() - era_shown_at_ < kEraIsSaid) return title_of_era(chosen);
-  }
+  if (auto note = era_note(); !note.empty()) return note;
   const auto pressed = hand_->pressed(clock_.now());
   if (!pressed) return {};
   switch (*pressed) {
     case HandKey::then_and_now: break;  // its labels say what it does
     case HandKey::story: break;         // it is read
     case HandKey::view: {
-      auto title = title_of(view(), language());
+      auto title = title_of(view(), language(), hour_of(view()));
       return title.empty() ? std::string(text_of("hand.view_live", language())) : title;
     }
     case HandKey::era: return title_of_era(shown_era_);

@@ -34,13 +34,15 @@ class VisitorDesk {
   VisitorDesk& operator=(const VisitorDesk&) = delete;
   // Other options, or other eras, begin anew; else what was chosen stays, but for a story of another era.
   void use(const Content& content);
-  // Reads what has happened since. Never waits.
-  void step();
+  // Reads what has happened since. Never waits. `refused`: of the eras, the one that cannot be shown; beyond the last:
+  // none.
+  void step(std::size_t refused);
 
   bool is_there() const { return options_.has_value(); }
   bool is_moving() const { return hand_ && hand_->is_moving(); }
   double bare() const { return hand_ ? hand_->choice().bare : 0.0; }
   BuildingView view() const { return static_cast<BuildingView>(hand_ ? hand_->choice().view : 0); }
+  std::string hour_of(BuildingView view) const { return hours_[static_cast<std::size_t>(view)]; }  // on the clock
   std::size_t era() const { return hand_ ? hand_->choice().era : 0; }  // so many after the one of the day
   Language language() const;
   double print() const;                    // of the letters' usual size
@@ -52,6 +54,9 @@ class VisitorDesk {
  private:
   std::vector<const Story*> stories() const;  // to be read now
   std::string chosen_era() const;
+  void follow_era(std::size_t refused);
+  void follow_day();
+  std::string era_note() const;
   // In the visitor's language, else in the content's usual one.
   std::string title_of_era(const std::string& name) const;
 
@@ -64,8 +69,13 @@ class VisitorDesk {
   std::optional<VisitorOptions> options_;
   std::vector<Era> eras_;
   std::string time_zone_;  // of their dates and hours
+  Site site_;
+  std::array<std::string, kBuildingViews> hours_;  // of the views of this day
+  std::optional<Utc> hours_as_of_;
   std::string shown_era_;
   Instant era_shown_at_{};
+  std::size_t asked_era_ = 0;                           // era() of the last step
+  std::optional<Instant> era_asked_at_, era_given_up_;  // by the visitor who is there
   std::shared_ptr<const VisitorContent> content_;       // null: there is none
   std::vector<Language> languages_{Language::english};  // the configured one first
   std::vector<std::shared_ptr<InputLink>> links_;       // one for each device

@@ -16,7 +16,8 @@ std::string Composition::over_scene() const {
   if (rung.dark > 0.0) return "the screen is dark";
   if (rung.still > 0.0) return "the still picture is shown";
   if (hand.bare > 0.0) return "a visitor wipes";
-  if (!hand.then.empty()) return "a visitor looks at another view";
+  if (view != BuildingView::live || !hand.then.empty()) return "a visitor looks at another view";
+  if (before > 0.0) return "one era fades into another";
   if (!story.text.empty()) return "a visitor reads a story";
   if (!hints.empty()) return "the buttons are labelled";
   return message.empty() ? "" : "words are shown";
@@ -66,6 +67,13 @@ Result<> Stage::take_scene(const SceneFrame& frame, const SkyReport& sky) {
   return taken;
 }
 
+Result<FlatPicture> Stage::still_scene(int width, int height) {
+  auto unseen = Offscreen::create(context_->info(), width, height);
+  if (!unseen) return fail(unseen.error());
+  if (auto drawn = compositor_.draw_again(unseen->target()); !drawn) return fail(drawn.error());
+  return FlatPicture::create(std::move(*unseen));
+}
+
 // An overlay that cannot be drawn is dropped, and the picture goes on without it.
 Result<> Stage::draw_overlay(const DrawTarget& target) {
   if (!overlay_ || !has_scene_) return {};
@@ -81,6 +89,9 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   auto letters = content_->config.messages;
   letters.language = composition.language.value_or(letters.language);
   letters.print = composition.print;
+  if (before_ && composition.before > 0.0)
+    if (auto drawn = before_->draw(target, everywhere(target), composition.before); !drawn) return drawn;
+  if (composition.before <= 0.0) before_.reset();
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target); !drawn) return drawn;
   if (auto drawn = hints_.draw(*context_, composition.hints, letters, target); !drawn) return drawn;

@@ -28,6 +28,8 @@ struct Composition {
   StoryView story{};                   // that a visitor reads
   std::optional<Language> language{};  // a visitor's choice; empty: the configured one
   double print = 1.0;                  // of the letters' usual size
+  BuildingView view{};                 // that a visitor has chosen, seen or not yet
+  double before = 0.0;                 // opacity of what Stage::fade_from() was given
   std::string over_scene() const;      // what is drawn over the scene, for people; empty: nothing is
   friend bool operator==(const Composition&, const Composition&) = default;
 };
@@ -49,6 +51,10 @@ class Stage {
   Result<PlanePicture> scene_for_planes(Display& display, Instant now) {
     return buildings_.next(compositor_, display, now);
   }
+  // The scene as it was drawn last, as a picture of its own. Errors: bad_input (nothing was drawn), device.
+  Result<FlatPicture> still_scene(int width, int height);
+  // What the stage before showed fades away over this one's scene, as Composition::before says; until that is 0.
+  void fade_from(FlatPicture before) { before_ = std::move(before); }
   // Then draws what lies over it. Errors: device.
   Result<> draw_over(const Composition& composition, const SkyReport& sky, const DrawTarget& target);
 
@@ -74,6 +80,7 @@ class Stage {
   std::optional<Overlay> overlay_;  // empty: not enabled
   BuildingPlanes buildings_;
   StillPicture still_;
+  std::optional<FlatPicture> before_;
   std::optional<FlatPicture> black_;  // one pixel, to fill the target
   Words caption_, trouble_;
   ThenAndNow then_and_now_;

@@ -89,6 +89,7 @@ Result<StageMaking::Part> StageMaking::make_stage() {
   if (!stage) return fail(stage.error());
   stage_ = std::move(*stage);
   if (!rehearsal_) return Part::whole;
+  stage_->compositor_.set_view(rehearsal_->view);
   if (auto begun = stage_->compositor_.begin_layer(rehearsal_->sky, rehearsal_->layout); !begun)
     return fail(begun.error());
   return Part::layer;

@@ -29,6 +29,7 @@ struct Rehearsal {
   SkyReport sky{};                         // where the sun is not known, an ordinary noon is taken
   PixelLayout layout = PixelLayout::rgb8;  // of the camera's pictures
   int target_width = 1280, target_height = 720;
+  BuildingView view{};
 };
 
 // Belongs to the thread of its GL context, which must be current in every call.

@@ -2,8 +2,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <random>
+#include <set>
+
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -159,6 +164,190 @@ TEST(Visitor, AnEraIsChosenAndTheOneOfTheDayComesBack) {
   rig.advance(6s);
   EXPECT_GT(named, letters_at_the_top(rig.picture()) + 20) << "its name, when it is there";
   EXPECT_TRUE(rig.advance_until([&] { return era() == "temple"; }, 60s)) << "without a hand for 45 s";
+}
+
+// Two of the day, and one for visitors alone.
+constexpr const char* kThreeEras =
+    "[opening]\ntime_zone = \"UTC\"\n[[era]]\nname = \"temple\"\nhours = \"00:00-24:00\"\n"
+    "[[era]]\nname = \"pagoda\"\nvisitors_only = true\nmodel = \"pagoda.glb\"\n"
+    "[[era]]\nname = \"gate\"\nvisitors_only = true\nmodel = \"pagoda.glb\"\n";
+
+RigOptions with_three_eras(const std::string& name) {
+  const auto folder = test_folder("appliance-" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::filesystem::copy_file(source_folder() / "fixtures/pagoda.glb", folder / "pagoda.glb");
+  RigOptions options{.name = name, .more_config = std::string(kHand) + kThreeEras};
+  options.keep_folder = true;
+  return options;
+}
+
+// How much of each building a picture holds, by least squares over the pixels that tell them apart.
+class Blends {
+ public:
+  Blends(const Image<Rgb8>& bare, const Image<Rgb8>& before, const Image<Rgb8>& after) {
+    for (int y = 30; y < 150; ++y)  // below the note
+      for (int x = 0; x < bare.width(); ++x) {
+        const double a = before.at(x, y).g - bare.at(x, y).g, b = after.at(x, y).g - bare.at(x, y).g;
+        if (std::abs(a) > 8.0 || std::abs(b) > 8.0) pixels_.push_back({x, y, 1.0 * bare.at(x, y).g, a, b});
+      }
+  }
+  std::size_t pixels() const { return pixels_.size(); }
+  std::pair<double, double> of(const Image<Rgb8>& picture) const {
+    double aa = 0.0, ab = 0.0, bb = 0.0, ap = 0.0, bp = 0.0;
+    for (const auto& [x, y, bare, a, b] : pixels_) {
+      const double p = picture.at(x, y).g - bare;
+      aa += a * a, ab += a * b, bb += b * b, ap += a * p, bp += b * p;
+    }
+    const double whole = aa * bb - ab * ab;
+    return {(ap * bb - bp * ab) / whole, (bp * aa - ap * ab) / whole};
+  }
+
+ private:
+  struct Pixel {
+    int x, y;
+    double bare, a, b;
+  };
+  std::vector<Pixel> pixels_;
+};
+
+TEST(Visitor, OneEraFadesIntoTheOtherAndNoPictureIsWithoutABuilding) {
+  Rig rig(with_three_eras("visitor-fade"));
+  auto& panel = rig.devices.input.devices[kPanel];
+  rig.advance(12s);
+  panel.key(KEY_SPACE, true);
+  rig.advance(1s);
+  const auto bare = rig.picture();
+  panel.key(KEY_SPACE, false);
+  rig.advance(4s);
+  const auto before = rig.picture();
+  panel.key(KEY_E, true);
+  std::vector<Image<Rgb8>> pictures;
+  std::vector<Instant> at;
+  auto shown = rig.appliance->render().status().pictures;
+  const auto look = [&] {
+    if (rig.appliance->render().status().pictures == shown) return;
+    shown = rig.appliance->render().status().pictures;
+    pictures.push_back(rig.picture());
+    at.push_back(rig.clock.now());
+    EXPECT_EQ(rig.shown(), Shown::live);
+    EXPECT_TRUE(rig.appliance->render().status().building_drawn);
+  };
+  ASSERT_TRUE(rig.advance_until([&] { return look(), rig.status().era == "pagoda"; }, 20s));
+  (void)rig.advance_until([&] { return look(), false; }, 3s);
+  const Blends blends(bare, before, rig.picture());
+  ASSERT_GT(blends.pixels(), 200U);
+  int between = 0, without = 0;
+  std::optional<Instant> began, ended;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const auto [old_one, new_one] = blends.of(pictures[i]);
+    without += old_one + new_one < 0.85 ? 1 : 0;
+    EXPECT_LT(old_one + new_one, 1.15) << "picture " << i;
+    between += new_one > 0.1 && new_one < 0.9 ? 1 : 0;
+    if (new_one < 0.03) began = at[i];
+    if (!ended && new_one > 0.97) ended = at[i];
+  }
+  EXPECT_EQ(without, 0) << "of " << pictures.size() << " pictures";
+  EXPECT_GE(between, 5);
+  ASSERT_TRUE(began && ended);
+  EXPECT_GT(*ended, *began);
+  EXPECT_LE(*ended - *began, 500ms);
+}
+
+TEST(Visitor, AnEraThatCannotBeShownKeepsNoOtherAway) {
+  auto options = with_three_eras("visitor-refused");
+  bool little = false;
+  options.probes.memory_left = [&] { return little ? 1'000'000u : 8'000'000'000u; };
+  Rig rig(std::move(options));
+  const auto press = [&] {
+    auto& panel = rig.devices.input.devices[kPanel];
+    panel.key(KEY_E, true);
+    rig.advance(60ms);
+    panel.key(KEY_E, false);
+    rig.advance(60ms);
+  };
+  const auto content = [&] {
+    rig.status();
+    return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["content"];
+  };
+  rig.devices.input.devices[kPanel] = {};
+  rig.advance(12s);
+  little = true;
+  press();
+  rig.advance(2s);
+  EXPECT_THAT(content()["era_problem"].get<std::string>(), HasSubstr("\"pagoda\" cannot be shown"));
+  const auto said = rig.picture();
+  rig.advance(10s);
+  double plate = 0.0;
+  for (int x = 100; x < 220; ++x) plate += std::abs(said.at(x, 14).g - rig.picture().at(x, 14).g) / 120.0;
+  EXPECT_GT(plate, 20.0) << "it is said, and not for ever";
+  EXPECT_EQ(rig.shown(), Shown::live);
+  little = false;
+  press();
+  EXPECT_TRUE(rig.advance_until([&] { return rig.status().era == "gate"; }, 20s)) << "the next one is not refused";
+  EXPECT_FALSE(content()["era_problem"].is_null()) << "the operator still hears of the other";
+  EXPECT_TRUE(rig.advance_until([&] { return rig.status().era == "temple"; }, 60s)) << "without a hand for 45 s";
+}
+
+// Pressed on while the first is being prepared.
+TEST(Visitor, AnEraThatIsPassedOverIsNeverShown) {
+  Rig rig(with_three_eras("visitor-passed-over"));
+  auto& panel = rig.devices.input.devices[kPanel];
+  rig.advance(12s);
+  for (const bool down : {true, false, true}) {
+    panel.key(KEY_E, down);
+    rig.advance(40ms);
+  }
+  EXPECT_TRUE(rig.advance_until(
+      [&] {
+        EXPECT_NE(rig.status().era, "pagoda");
+        return rig.status().era == "gate";
+      },
+      20s));
+}
+
+TEST(Visitor, WhatIsSaidOfAnEraThatDoesNotComeIsInTheVisitorsLanguage) {
+  ManualClock clock(std::chrono::sys_days{std::chrono::June / 21 / 2026} + 3h);
+  BenchDevices devices(clock);
+  auto& panel = devices.input.devices[kPanel];
+  Content content;
+  for (const char* name : {"temple", "pagoda"}) {
+    content.config.eras.emplace_back();
+    content.config.eras.back().name = name;
+    content.config.eras.back().visitors_only = name == std::string("pagoda");
+  }
+  content.eras = std::make_shared<const std::vector<EraContent>>(2);
+  VisitorContent texts;
+  texts.languages = {"en", "de"};
+  texts.eras.push_back({"pagoda", {{"en", "Around 1100"}, {"de", "Um 1100"}}, {}});
+  content.visitor = std::make_shared<const VisitorContent>(texts);
+  auto& visitor = content.config.visitor.emplace();
+  visitor.devices = {kPanel};
+  visitor.keys[static_cast<std::size_t>(HandKey::era)] = {KEY_E};
+  visitor.keys[static_cast<std::size_t>(HandKey::language)] = {KEY_L};
+  VisitorDesk desk(devices, clock, [] {});
+  desk.use(content);
+  const auto step = [&](Duration by, std::size_t refused = kNoEra) {
+    for (const auto until = clock.now() + by; clock.now() < until; clock.advance(100ms)) {
+      devices.turn_inputs();
+      desk.step(refused);
+    }
+    return desk.note();
+  };
+  step(1s);
+  panel.key(KEY_E, true);
+  EXPECT_EQ(step(1s), "Around 1100 ...");
+  EXPECT_EQ(step(18s), "Around 1100 ...");
+  EXPECT_EQ(step(2s), "Around 1100\nThis time cannot be shown just now.");
+  panel.key(KEY_L, true);
+  EXPECT_EQ(step(1s), "Um 1100\nDiese Zeit kann gerade nicht gezeigt werden.");
+  EXPECT_EQ(step(10s), "") << "and not for ever";
+  for (const bool down : {false, true, false, true}) {  // the day's own, and this one again
+    panel.key(KEY_E, down);
+    step(100ms, 1);
+  }
+  EXPECT_EQ(step(100ms, 1), "Um 1100\nDiese Zeit kann gerade nicht gezeigt werden.") << "at once, once it is refused";
+  EXPECT_EQ(step(60s, 1), "") << "the next visitor reads nothing of it";
 }
 
 TEST(Visitor, AStoryIsReadBesideTheBuilding) {
@@ -370,6 +559,67 @@ TEST(Visitor, Row52ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
     const auto after = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["visitor"];
     EXPECT_EQ(after["devices"][0]["up"], true) << after["devices"][0]["problem"];
   }
+}
+
+double resident_megabytes() {
+  std::ifstream file("/proc/self/statm");
+  long total = 0, resident = 0;
+  file >> total >> resident;
+  return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// A child's afternoon: eras, views, languages, stories, wipes, and pauses in which the screen goes idle.
+TEST(Visitor, TenThousandRandomInputsLeaveStateMemoryAndPictureSane) {
+  auto options = with_three_eras("visitor-child");
+  ASSERT_TRUE(write_text_file(test_folder("appliance-visitor-child") / "content.toml",
+                              "languages = [\"en\", \"de\"]\n[[story]]\nname = \"gate\"\nplace_m = [0, 3, 0]\n"
+                              "title = { en = \"The gate\", de = \"Das Tor\" }\n"
+                              "text = { en = \"Built in 730.\", de = \"Erbaut 730.\" }\n"));
+  options.first_config = "content = \"content.toml\"\n";
+  Rig rig(std::move(options));
+  auto& panel = rig.devices.input.devices[kPanel];
+  panel.axes[ABS_X].maximum = 1000;
+  rig.advance(12s);
+  const auto plain = rig.picture();
+  std::mt19937 random(11);
+  constexpr int kKeys[] = {KEY_SPACE, KEY_E, KEY_L, KEY_P, KEY_S, KEY_V};
+  std::array<bool, std::size(kKeys)> down{};
+  bool finger = false;
+  std::set<std::string> eras;
+  std::set<BuildingView> views;
+  double settled = 0.0;
+  for (int i = 0; i < 10'000; ++i) {
+    const auto what = random() % 10;
+    if (what < 7) {
+      const auto key = random() % std::size(kKeys);
+      panel.key(kKeys[key], down[key] = !down[key]);
+    } else if (what == 7) {
+      panel.send(EV_KEY, BTN_TOUCH, (finger = !finger) ? 1 : 0);
+    } else if (what == 8) {
+      panel.send(EV_ABS, ABS_X, static_cast<int>(random() % 1200) - 100);
+    } else {
+      panel.send(EV_REL, REL_DIAL, static_cast<int>(random() % 41) - 20);
+    }
+    panel.report();
+    if (i % 16 == 0) rig.advance(2 * Rig::kTick);
+    if (i % 400 == 0) rig.advance(3s);
+    if (i == 5000) rig.advance(50s);
+    if (i % 16 != 0) continue;
+    ASSERT_EQ(rig.shown(), Shown::live) << "after input " << i;
+    eras.insert(rig.status().era);
+    views.insert(rig.appliance->render().shown_view());
+    if (i != 5000) continue;
+    EXPECT_TRUE(rig.status().render.visitor->idle);
+    settled = resident_megabytes();
+  }
+  EXPECT_EQ(eras.size(), 3U) << testing::PrintToString(eras);
+  EXPECT_GE(views.size(), 4U);
+  EXPECT_LT(resident_megabytes() - settled, 20.0) << "more than after half of them";
+  ASSERT_TRUE(
+      rig.advance_until([&] { return rig.status().render.visitor->idle && rig.status().era == "temple"; }, 60s));
+  rig.advance(6s);
+  EXPECT_LT(difference(rig.picture(), plain, 0, plain.width()), 0.05) << "as before the first of them";
+  EXPECT_EQ(rig.status().reload->era_problem, "");
 }
 
 // 10^5 events a second of all kinds.

@@ -7,6 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "pipeline/site/visitor/building_view.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -147,6 +149,7 @@ TEST(VisitorHand, TenThousandRandomInputsLeaveItSane) {
     ASSERT_LT(choice.era, 3U);
     ASSERT_LT(choice.language, 6U);
     ASSERT_LE(choice.story, 4U);
+    ASSERT_LT(choice.view, kBuildingViews);
     if (i % 1000 != 999) continue;
     auto idle = at;  // nobody comes any more
     idle.bare_after(45s);
