@@ -19,11 +19,24 @@ std::string_view air_text(const SkyReport& sky) {
   return sky.air->trustworthy ? "hand.then_measured" : "hand.then_earlier";
 }
 
+std::string_view text_key_of(BuildingView view) {
+  switch (view) {
+    case BuildingView::live: return {};
+    case BuildingView::alone: return "hand.view_alone";
+    case BuildingView::clear_air: return "hand.view_clear_air";
+    case BuildingView::morning: return "hand.view_morning";
+    case BuildingView::noon: return "hand.view_noon";
+    case BuildingView::evening: return "hand.view_evening";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string title_of(BuildingView view, Language language, const std::string& hour) {
-  if (view == BuildingView::live) return {};
-  std::string title(text_of(fmt::format("hand.view_{}", kBuildingViewNames[static_cast<std::size_t>(view)]), language));
+  const auto key = text_key_of(view);
+  if (key.empty()) return {};
+  const std::string title(text_of(key, language));
   return hour.empty() ? title : fmt::format("{} ({})", title, hour);
 }
 
