@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -8,6 +9,7 @@
 #include "pipeline/command.hpp"
 #include "pipeline/lab/rehearse/rehearsed_view.hpp"
 #include "pipeline/machine/progress.hpp"
+#include "pipeline/show/stage/shown_story.hpp"
 #include "pipeline/site/config/content.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 #include "pipeline/site/files/contact_sheet.hpp"
@@ -22,7 +24,8 @@ namespace fs = std::filesystem;
 constexpr std::array kAirNames{"clear", "usual", "hazy"};
 constexpr std::size_t kMostHours = 12;
 constexpr int kMonths = 12;
-constexpr int kCellWidth = 480;
+constexpr int kCellWidth = 480, kStoryWidth = 960;  // a story's letters are to be read
+constexpr int kStoryColumns = 2, kStoryMonth = 6;
 
 struct RehearseArguments {
   std::string kiosk, out;
@@ -72,6 +75,11 @@ std::string label_of(std::chrono::local_time<Duration> wall, double turbidity) {
                      turbidity);
 }
 
+PanelReader reader_at(const std::optional<VisitorOptions>& visitor) {
+  if (!visitor) return {};
+  return {visitor->left_handed, visitor->seated, false, visitor->pixels_per_degree};
+}
+
 class Rehearsal {
  public:
   Rehearsal(const RehearseArguments& arguments, const Rehearsed& what, GlContext& context)
@@ -89,6 +97,38 @@ class Rehearsal {
       const auto file = fs::path(arguments_.out) / fmt::format("{}.png", kAirNames[air]);
       if (auto written = write_png(file, sheet.drawn(static_cast<int>(arguments_.hours.size()))); !written)
         return written;
+      progress.clear();
+      fmt::print("written: {}\n", file.string());
+    }
+    return {};
+  }
+
+  // A sheet for each language: every story as a visitor reads it, in an era in which it is told.
+  Result<> write_stories() {
+    const auto& visitor = what_.content->visitor;
+    if (!visitor || visitor->stories.empty()) return {};
+    const auto eras = all_eras(what_.content);
+    const int noon = 12 * 60;
+    for (const auto& language : visitor->languages) {
+      ContactSheet sheet(kStoryWidth);
+      Progress progress("rehearse", visitor->stories.size());
+      for (const Story& story : visitor->stories) {
+        const auto era = std::ranges::find_if(eras, [&](const auto& one) { return is_told_in(story, era_name(*one)); });
+        const auto& content = era == eras.end() ? what_.content : *era;
+        auto picture = drawn(content, kStoryWidth, wall(kStoryMonth, noon), arguments_.turbidities[1]);
+        if (!picture) return fail(picture.error());
+        const StoryView view{story.title.at(language), story.text.at(language), language,
+                             reader_at(content->config.visitor)};
+        if (auto laid = lay_story_over(*picture, view, *content, kiosk_); !laid)
+          fmt::print("{}: {}.text.{} ({}): {}\n", visitor->file.string(), story.key, language, story.name,
+                     laid.error().message);
+        const auto name = era_name(*content);
+        sheet.add(*picture, name.empty() ? story.name : fmt::format("{} ({})", story.name, name));
+        progress.advance(language);
+      }
+      const auto file = fs::path(arguments_.out) / fmt::format("stories-{}.png", language);
+      const auto columns = std::min<std::size_t>(kStoryColumns, visitor->stories.size());
+      if (auto written = write_png(file, sheet.drawn(static_cast<int>(columns))); !written) return written;
       progress.clear();
       fmt::print("written: {}\n", file.string());
     }
@@ -126,20 +166,25 @@ class Rehearsal {
   Utc utc(std::chrono::local_time<Duration> time) const { return utc_of(time, what_.time_zone, site().longitude_deg); }
 
   Result<> add(std::chrono::local_time<Duration> time, double turbidity, ContactSheet& sheet) {
-    const auto content = what_.at(utc(time));
-    if (content != shown_ || turbidity != turbidity_) {
+    const auto picture = drawn(what_.at(utc(time)), kCellWidth, time, turbidity);
+    if (!picture) return fail(picture.error());
+    sheet.add(*picture, label_of(time, turbidity));
+    return {};
+  }
+
+  Result<Image<Rgb8>> drawn(const ContentPtr& content, int width, std::chrono::local_time<Duration> time,
+                            double turbidity) {
+    if (content != shown_ || width != width_ || turbidity != turbidity_) {
       view_.reset();
       shown_ = content;
-      kiosk_ = with_small_scene(content->config.installation, kCellWidth);
+      width_ = width;
+      kiosk_ = with_small_scene(content->config.installation, width);
       turbidity_ = turbidity;
       auto made = RehearsedView::create(context_, kiosk_, *content->model, Turbidity{turbidity});
       if (!made) return fail(made.error());
       view_ = std::move(*made);
     }
-    const auto picture = view_->draw(utc(time));
-    if (!picture) return fail(picture.error());
-    sheet.add(*picture, label_of(time, turbidity));
-    return {};
+    return view_->draw(utc(time));
   }
 
   const RehearseArguments& arguments_;
@@ -147,6 +192,7 @@ class Rehearsal {
   GlContext& context_;
   ContentPtr shown_;
   Installation kiosk_;
+  int width_ = 0;  // of its pictures at most
   double turbidity_ = 0.0;
   std::optional<RehearsedView> view_;
 };
@@ -162,6 +208,7 @@ Result<int> rehearse(const RehearseArguments& arguments) {
   if (!context) return fail(context.error());
   Rehearsal rehearsal(arguments, *what, **context);
   if (auto written = rehearsal.write_sheets(); !written) return fail(written.error());
+  if (auto written = rehearsal.write_stories(); !written) return fail(written.error());
   if (arguments.film)
     if (auto written = rehearsal.write_film(); !written) return fail(written.error());
   fmt::print("hours: {}\n", what->time_zone.empty() ? "by the mean sun of the site ([opening] time_zone names none)"
@@ -177,7 +224,9 @@ void add_rehearse_command(CLI::App& app, Action& action) {
   auto arguments = std::make_shared<RehearseArguments>();
   command->add_option("kiosk", arguments->kiosk, "kasumi.toml, or a folder that holds one, or a recording's folder")
       ->required();
-  command->add_option("--out", arguments->out, "Folder for clear.png, usual.png, hazy.png, and year.mp4")->required();
+  command
+      ->add_option("--out", arguments->out, "Folder for clear.png, usual.png, hazy.png, stories-en.png, and year.mp4")
+      ->required();
   command->add_option("--year", arguments->year, "The year")->check(CLI::Range(1970, 2200))->capture_default_str();
   command->add_option("--day", arguments->day, "The day of each month")
       ->check(CLI::Range(1, 28))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include <spdlog/spdlog.h>
+#include <glm/common.hpp>
 
 #include "pipeline/show/stage/font_patience.hpp"
 #include "pipeline/site/config/sighting.hpp"
@@ -21,18 +22,37 @@ std::optional<FlatPlace> building_on_screen(const Installation& installation, co
   return FlatPlace{from.x, from.y, to.x - from.x, to.y - from.y};
 }
 
+Result<StoryPanel> panel_of(const StoryView& view, const Content& content, const Installation& kiosk, int width,
+                            int height) {
+  PanelRequest request{view.title, view.text, view.language};
+  request.font_file = content.config.messages.font_file;
+  request.width = width;
+  request.height = height;
+  request.building = building_on_screen(kiosk, *content.model, width, height);
+  request.reader = view.reader;
+  return with_fonts<Result<StoryPanel>>([request] { return draw_story_panel(request); })
+      .value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
+}
+
+Result<> lay_story_over(Image<Rgb8>& picture, const StoryView& view, const Content& content,
+                        const Installation& kiosk) {
+  const auto laid = panel_of(view, content, kiosk, picture.width(), picture.height());
+  if (!laid) return fail(laid.error());
+  const auto& panel = laid->picture;
+  const int left = static_cast<int>(laid->place.left), top = static_cast<int>(laid->place.top);
+  for (int y = std::max(0, -top); y < std::min(panel.height(), picture.height() - top); ++y)
+    for (int x = std::max(0, -left); x < std::min(panel.width(), picture.width() - left); ++x) {
+      const Rgba8 over = panel.at(x, y);
+      Rgb8& under = picture.at(left + x, top + y);
+      under = Rgb8(glm::round(glm::mix(glm::dvec3(under), glm::dvec3(over), over.a / 255.0)));
+    }
+  return {};
+}
+
 void ShownStory::lay_out(GlContext& context, const Content& content, const DrawTarget& target) {
   panel_.reset();
   if (view_.text.empty()) return;
-  PanelRequest request{view_.title, view_.text, view_.language};
-  request.font_file = content.config.messages.font_file;
-  request.width = target.width;
-  request.height = target.height;
-  request.building = building_on_screen(content.config.installation, *content.model, target.width, target.height);
-  request.reader = view_.reader;
-  auto laid = with_fonts<Result<StoryPanel>>([request] {
-                return draw_story_panel(request);
-              }).value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
+  const auto laid = panel_of(view_, content, content.config.installation, target.width, target.height);
   if (!laid) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, laid.error().message);
   auto picture = FlatPicture::create(context, laid->picture);
   if (!picture) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, picture.error().message);

@@ -21,6 +21,12 @@ struct StoryView {
 std::optional<FlatPlace> building_on_screen(const Installation& installation, const Model& model, int width,
                                             int height);
 
+// The panel that a visitor reads on a screen of that size. Errors: as draw_story_panel().
+Result<StoryPanel> panel_of(const StoryView& view, const Content& content, const Installation& kiosk, int width,
+                            int height);
+// The same laid over a picture of the scene camera, by the processor.
+Result<> lay_story_over(Image<Rgb8>& picture, const StoryView& view, const Content& content, const Installation& kiosk);
+
 class ShownStory {
  public:
   // A panel that has no room beside the building is left out, and logged once. BLOCKS for as long as the letters take.

@@ -10,7 +10,6 @@
 namespace kasumi {
 namespace {
 
-constexpr int kWidestTile_px = 480;
 constexpr int kGap_px = 6;
 const cv::Scalar kGround(32, 32, 32), kInk(255, 255, 255);
 
@@ -38,9 +37,9 @@ Image<Rgb8> image_of(const cv::Mat& matrix) {
 
 void ContactSheet::add(const Image<Rgb8>& picture, std::string caption) {
   cv::Mat matrix = matrix_of(picture);
-  if (matrix.cols > kWidestTile_px) {
-    const int height = std::max(1, static_cast<int>(std::lround(1.0 * matrix.rows * kWidestTile_px / matrix.cols)));
-    cv::resize(matrix, matrix, {kWidestTile_px, height}, 0.0, 0.0, cv::INTER_AREA);
+  if (matrix.cols > widest_px_) {
+    const int height = std::max(1, static_cast<int>(std::lround(1.0 * matrix.rows * widest_px_ / matrix.cols)));
+    cv::resize(matrix, matrix, {widest_px_, height}, 0.0, 0.0, cv::INTER_AREA);
   }
   tiles_.push_back({image_of(matrix), std::move(caption)});
 }

@@ -13,7 +13,8 @@ namespace kasumi {
 
 class ContactSheet {
  public:
-  // Large pictures are scaled down.
+  // Wider pictures are scaled down.
+  explicit ContactSheet(int widest_px = 480) : widest_px_(widest_px) {}
   void add(const Image<Rgb8>& picture, std::string caption);
   // About square, or with the given number of columns. At least one picture must have been added.
   Image<Rgb8> drawn(int columns = 0) const;
@@ -25,6 +26,7 @@ class ContactSheet {
     Image<Rgb8> picture;
     std::string caption;
   };
+  int widest_px_;
   std::vector<Tile> tiles_;
 };
 

@@ -2,10 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+
+#include "base/files.hpp"
 #include "base/picture_files/picture_file.hpp"
 #include "pipeline/lab/rehearse/rehearsed_view.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/must.hpp"
+#include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
 namespace kasumi {
@@ -142,6 +146,37 @@ TEST(Rehearse, WritesASheetForEachAir) {
   }
   EXPECT_THAT(run_kasumi("rehearse " + demo.string() + " --hours 24 --out " + out.string()).err, HasSubstr("--hours"));
   EXPECT_THAT(ended(2, run_kasumi("rehearse /no/such.toml --out " + out.string())).err, HasSubstr("/no/such.toml"));
+}
+
+// Two stories in two languages: where the panels are, the sheets differ, and nowhere else.
+TEST(Rehearse, WritesASheetOfTheStoriesForEachLanguage) {
+  const auto folder = test_folder("rehearsal-stories"), out = folder / "out";
+  std::filesystem::remove_all(folder);
+  const auto config = write_config(folder, "trusted", source_folder() / "fixtures/demo");
+  replace_in(config, "[", "content = \"content.toml\"\n[");
+  ASSERT_TRUE(write_text_file(folder / "content.toml",
+                              "languages = [\"en\", \"ja\"]\n[[story]]\nname = \"gate\"\nplace_m = [0, 3, 0]\n"
+                              "title = { en = \"The gate\", ja = \"門\" }\n"
+                              "text = { en = \"Built in 730.\", ja = \"天平二年に建てられた。\" }\n"
+                              "[[story]]\nname = \"roof\"\nplace_m = [0, 20, 0]\n"
+                              "title = { en = \"Five roofs\", ja = \"五重の屋根\" }\n"
+                              "text = { en = \"They swing.\", ja = \"揺れる。\" }\n"));
+  const auto done = ended(0, run_kasumi(fmt::format("rehearse {} --hours 12 --out {}", config.string(), out.string())));
+  EXPECT_THAT(done.out, HasSubstr("stories-en.png"));
+  const auto english = to_rgb8(*must(read_photograph(out / "stories-en.png"))),
+             japanese = to_rgb8(*must(read_photograph(out / "stories-ja.png")));
+  ASSERT_EQ(english.width(), japanese.width());
+  EXPECT_GT(english.width(), 2 * 900) << "two beside each other, to be read";
+  ASSERT_EQ(english.height(), japanese.height());
+  std::array<int, 4> differing{};  // quarters of the width
+  for (int y = 0; y < english.height(); ++y)
+    for (int x = 0; x < english.width(); ++x)
+      if (std::abs(english.at(x, y).g - japanese.at(x, y).g) > 24)
+        ++differing[static_cast<std::size_t>(4 * x / english.width())];
+  EXPECT_GT(differing[0], 200) << "the gate's panel on the left";
+  EXPECT_GT(differing[2], 200) << "the roof's in the other tile";
+  EXPECT_EQ(differing[1], 0) << "the building's half";
+  EXPECT_EQ(differing[3], 0);
 }
 
 }  // namespace
