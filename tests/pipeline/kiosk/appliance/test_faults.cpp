@@ -394,7 +394,7 @@ TEST(Appliance, Row24WithPolicyFromSkyTheSunIsLocatedInThePicture) {
 }
 
 TEST(Appliance, Row24CloudsOverTheSunDoNotTakeTheBuildingAway) {
-  Rig rig({.name = "row24-clouds", .clock_policy = "from_sky", .utc = k1970});
+  Rig rig({.name = "row24-clouds", .clock_policy = "from_sky", .utc = k1970, .observe_every = 30s});
   rig.advance(6s);
   ASSERT_EQ(rig.shown(), Shown::live);
   rig.devices.sky.spoil = cloud_over;

@@ -37,17 +37,17 @@ TEST(RememberedState, ANightWritesNothing) {
     std::error_code error;
     return std::filesystem::last_write_time(file, error);
   };
-  rig->advance(15s);
+  rig->advance(15s, 500ms);
   const auto by_day = time_of();
-  rig->advance(15s);
+  rig->advance(15s, 500ms);
   EXPECT_NE(time_of(), by_day) << "saved every ten seconds while the sky is read";
   rig->devices.sky.unplugged = true;
-  rig->advance(15s);
+  rig->advance(15s, 500ms);
   const auto at_dusk = time_of();
   rig->advance(60s, 500ms);
   EXPECT_EQ(time_of(), at_dusk);
   rig->devices.sky.unplugged = false;
-  rig->advance(40s, 100ms);
+  rig->advance(40s, 500ms);
   EXPECT_NE(time_of(), at_dusk);
 }
 
