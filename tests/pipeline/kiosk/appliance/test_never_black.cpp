@@ -192,6 +192,7 @@ TEST_F(NeverBlack, Row51AJournalThatReadsNothingHoldsNoPictureUp) {
 
 // A program that asks again and again, while content takes a while to be read: it is read once at a time.
 TEST_F(NeverBlack, Row36AStormOfReloadsReadsOneAtATime) {
+  if (kHasOwnCalls) GTEST_SKIP() << "a sanitizer's calls are not replaced";
   make("storm");
   const auto kasumi = run();
   ASSERT_TRUE(shows("live")) << kasumi->log();
@@ -202,11 +203,13 @@ TEST_F(NeverBlack, Row36AStormOfReloadsReadsOneAtATime) {
     return static_cast<std::size_t>(std::distance(begin(tasks), end(tasks)));
   };
   const auto before = threads();
+  ASSERT_TRUE(write_text_file(rule, fmt::format("open {}/still.png\n", folder.string())));
   for (int i = 0; i < 300; ++i) {
     kasumi->send(SIGHUP);
     std::this_thread::sleep_for(10ms);
     most = std::max(most, threads());
   }
+  std::filesystem::remove(rule);
   EXPECT_LE(most, before + 4) << "the content's, the model's and the stage's";
   EXPECT_TRUE(eventually([&] { return status_in(folder)["content"]["reloaded_utc"].is_string(); })) << kasumi->log();
   EXPECT_EQ(status_in(folder)["shown"], "live");
