@@ -11,13 +11,12 @@ namespace kasumi {
 // What a file leaves open: "auto", or "pinhole" or "opencv_fisheye" for coefficients that may be either's.
 struct ImportQuestions {
   std::string model = "auto";
-  std::string camera;      // which of several (choose_camera.hpp); empty: there is one
-  bool was_asked = false;  // whether `model` decided anything
+  std::string camera;  // which of several (choose_camera.hpp); empty: there is one
 };
 
 // OpenCV's samples and scripts, its interactive calibration (cameraResolution), omnidir (xi); ROS' camera_info; Kalibr's
 // camchain; ORB-SLAM's settings.
-Result<ForeignLens> read_keyed_lens(const std::string& text, ImportQuestions& questions);
+Result<ForeignLens> read_keyed_lens(const std::string& text, const ImportQuestions& questions);
 bool is_kalibr(const std::string& text);  // a camchain
 bool is_colmap(const std::string& text);  // cameras.txt
 Result<ForeignLens> read_colmap_lens(const std::string& text, const ImportQuestions& questions);

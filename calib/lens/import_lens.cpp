@@ -21,7 +21,7 @@ bool is_ocamcalib(const std::string& text) {
   return numbers;
 }
 
-Result<ForeignLens> read_foreign(const std::string& text, ImportQuestions& questions) {
+Result<ForeignLens> read_foreign(const std::string& text, const ImportQuestions& questions) {
   if (!questions.camera.empty() && !is_colmap(text) && !is_kalibr(text))
     return fail(FaultKind::bad_input, "--import-camera {}: has no effect: the file is of one camera", questions.camera);
   if (is_agisoft(text)) return read_agisoft_lens(text);
@@ -55,7 +55,7 @@ Result<ImportedLens> import_lens(const std::filesystem::path& path, const Import
     imported.lens.largest_angle = largest;
     return imported;
   }
-  ImportQuestions questions{options.model, options.camera, false};
+  const ImportQuestions questions{options.model, options.camera};
   const auto foreign = read_foreign(*text, questions);
   if (!foreign) {
     Problems named;

@@ -285,7 +285,7 @@ std::string program_of(const KeyFile& file) {
 }
 
 // By the file's word for its model, by xi, or by `--model`.
-NamedModel model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, ImportQuestions& questions,
+NamedModel model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, const ImportQuestions& questions,
                     std::string& name, Problems& problems) {
   const auto word = file.text({"distortion_model", "camera_model", "cameraModel", "Camera.type", "camera_type",
                                "model_type", "projection_model", "lens_model", "model"});
@@ -304,7 +304,6 @@ NamedModel model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, 
     return model;
   }
   if (coefficients != 4 || file.has("fisheye_model")) return NamedModel::brown;
-  questions.was_asked = true;
   if (questions.model == "opencv_fisheye" || questions.model == "pinhole") {
     name = questions.model;
     return questions.model == "pinhole" ? NamedModel::brown : NamedModel::fisheye;
@@ -322,7 +321,7 @@ bool is_kalibr(const std::string& text) {
   return file && file->has("cam0.intrinsics");
 }
 
-Result<ForeignLens> read_keyed_lens(const std::string& text, ImportQuestions& questions) {
+Result<ForeignLens> read_keyed_lens(const std::string& text, const ImportQuestions& questions) {
   const auto file = KeyFile::parse(text);
   if (!file) return fail(file.error());
   if (file->has("cam0.intrinsics")) return read_kalibr(*file, questions.camera);

@@ -137,7 +137,6 @@ void tell_air(const Part& root, ToldStatus& told) {
   told.sky = root.text("sky");
   told.sky_reason = root.text("sky_reason");
   const Part visibility = root.part("visibility");
-  told.visibility_bound = visibility.text("bound");
   told.visibility_words = visibility.text("words");
 }
 
@@ -154,7 +153,6 @@ void tell_content(const Part& root, ToldStatus& told) {
   told.arrived_words = arrived.text("words");
   told.start_why = start.texts("why");
   told.check_utc = check.text("utc");
-  told.check_summary = check.text("summary");
   check.for_each("findings", [&](const Json& entry) {
     const Part finding(entry);
     if (finding.text("state") == "drifted")

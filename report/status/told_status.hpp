@@ -43,7 +43,7 @@ struct ToldStatus {
   std::string display_cause;
   ToldCamera scene_camera, sky_camera;
   std::string air_text, aerosol, sky, sky_reason;
-  std::string visibility_bound, visibility_words;
+  std::string visibility_words;
   std::string draw_refused;
 
   std::string reloaded_utc, last_good_utc;
@@ -53,7 +53,7 @@ struct ToldStatus {
   std::optional<Utc> arrived;
   std::vector<std::string> start_why;
 
-  std::string check_utc, check_summary;
+  std::string check_utc;
   std::vector<ToldDrift> drifted;  // what the daily check found to have changed
 
   std::vector<std::string> hung_loops;

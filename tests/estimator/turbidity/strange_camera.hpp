@@ -27,9 +27,6 @@ struct StrangeCamera {
   double noise = 0.0;          // of light, at full scale; grows with its square root
   bool trees = false;
   std::uint64_t seed = 1;
-  bool knows_its_light() const {
-    return curve == Curve::srgb && vignetting < 0.01 && veil < 0.005 && halo < 0.001 && flattened <= 0.0;
-  }
   std::string text() const;
 };
 
