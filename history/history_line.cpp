@@ -62,15 +62,12 @@ std::vector<std::string_view> words_of(std::string_view text) {
 
 std::string history_text(const HistoryLine& line) {
   const auto utc = utc_text(line.utc);  // "2026-06-21T14:10:00Z"
-  const int flags = (line.building ? 1 : 0) | (line.clock_trusted ? 2 : 0) | (line.air_supposed ? 4 : 0);
   auto text = fmt::format("{:x} {}{}{}T{}{} {} {} {}", std::min(line.number, kLargestNumber), utc.substr(0, 4),
                           utc.substr(5, 2), utc.substr(8, 2), utc.substr(11, 2), utc.substr(14, 2), name_of(line.shown),
                           code_of(line.trouble), std::clamp(line.hidden_s, 0, 60));
-  const std::pair<std::optional<double>, std::size_t> numbers[] = {
-      {line.turbidity, 4},   {line.sigma_turbidity, 4}, {line.aod_550, 4},   {line.sigma_aod_550, 4},
-      {line.air_age_min, 4}, {line.scene_age_s, 3},     {line.sky_age_s, 3}, {line.latency_95_ms, 3},
-      {line.celsius, 3},     {line.pictures_share, 3}};
-  for (const auto& [number, digits] : numbers) text += " " + short_number(number, digits);
+  for (const auto& column : kHistoryColumns) text += " " + short_number(line.*column.value, column.digits);
+  unsigned flags = 0;
+  for (std::size_t i = 0; i < std::size(kHistoryFlags); ++i) flags |= unsigned{line.*kHistoryFlags[i].value} << i;
   text += fmt::format(" {}", flags);
   text.resize(kTextBytes, ' ');
   return text + fmt::format("{:08x}\n", checksum_of(text));
@@ -81,7 +78,8 @@ std::optional<HistoryLine> parse_history(std::string_view text) {
   const auto body = text.substr(0, kTextBytes);
   if (text.substr(kTextBytes, kChecksumDigits) != fmt::format("{:08x}", checksum_of(body))) return std::nullopt;
   const auto words = words_of(body);
-  if (words.size() != 16) return std::nullopt;
+  constexpr std::size_t kBefore = 5, kNumbers = std::size(kHistoryColumns);
+  if (words.size() != kBefore + kNumbers + 1) return std::nullopt;
   HistoryLine line;
   const auto& number = words[0];
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), line.number, 16);
@@ -92,20 +90,15 @@ std::optional<HistoryLine> parse_history(std::string_view text) {
                                          time.substr(9, 2), time.substr(11, 2)));
   const auto shown = shown_named(words[2]);
   const auto trouble = trouble_coded(words[3]);
-  const auto hidden = number_in(words[4]), flags = number_in(words[15]);
+  const auto hidden = number_in(words[4]), flags = number_in(words.back());
   if (!utc || !shown || !trouble || !hidden || !flags || *hidden < 0.0 || *hidden > 60.0) return std::nullopt;
   line.utc = std::chrono::floor<std::chrono::minutes>(*utc);
   line.shown = *shown;
   line.trouble = *trouble;
   line.hidden_s = static_cast<int>(*hidden);
-  std::optional<double>* const numbers[] = {
-      &line.turbidity,   &line.sigma_turbidity, &line.aod_550,       &line.sigma_aod_550, &line.air_age_min,
-      &line.scene_age_s, &line.sky_age_s,       &line.latency_95_ms, &line.celsius,       &line.pictures_share};
-  for (std::size_t i = 0; i < std::size(numbers); ++i) *numbers[i] = number_in(words[5 + i]);
-  const int bits = static_cast<int>(*flags);
-  line.building = (bits & 1) != 0;
-  line.clock_trusted = (bits & 2) != 0;
-  line.air_supposed = (bits & 4) != 0;
+  for (std::size_t i = 0; i < kNumbers; ++i) line.*kHistoryColumns[i].value = number_in(words[kBefore + i]);
+  for (std::size_t i = 0; i < std::size(kHistoryFlags); ++i)
+    line.*kHistoryFlags[i].value = ((static_cast<int>(*flags) >> i) & 1) != 0;
   return line;
 }
 

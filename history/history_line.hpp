@@ -29,6 +29,38 @@ struct HistoryLine {
   friend bool operator==(const HistoryLine&, const HistoryLine&) = default;
 };
 
+// A number of the line: its column in tables, the figure of status.json that it keeps, and how.
+struct HistoryColumn {
+  std::string_view name;
+  std::string_view figure;  // its key there
+  std::optional<double> HistoryLine::*value;
+  std::size_t digits = 4;  // in the file, at most
+  double unit = 1.0;       // in the figure's own
+};
+struct HistoryFlag {
+  std::string_view name, figure;
+  bool HistoryLine::*value;
+};
+
+// In the order in which the file has them: more may follow at the end alone.
+inline constexpr HistoryColumn kHistoryColumns[] = {
+    {"turbidity", "turbidity", &HistoryLine::turbidity},
+    {"sigma_turbidity", "sigma", &HistoryLine::sigma_turbidity},
+    {"aod_550", "aod_550", &HistoryLine::aod_550},
+    {"sigma_aod_550", "air.sigma_aod_550", &HistoryLine::sigma_aod_550},
+    {"air_age_min", "air.age_s", &HistoryLine::air_age_min, 4, 60.0},
+    {"scene_age_s", "scene_camera.last_good_age_s", &HistoryLine::scene_age_s, 3},
+    {"sky_age_s", "sky_camera.last_good_age_s", &HistoryLine::sky_age_s, 3},
+    {"latency_95_ms", "latency_ms_last_minute.p95", &HistoryLine::latency_95_ms, 3},
+    {"celsius", "heat.celsius", &HistoryLine::celsius, 3},
+    {"pictures_share", "heat.pictures_share", &HistoryLine::pictures_share, 3},
+};
+inline constexpr HistoryFlag kHistoryFlags[] = {
+    {"building", "building_drawn", &HistoryLine::building},
+    {"clock_trusted", "clock_trusted", &HistoryLine::clock_trusted},
+    {"air_supposed", "air.supposed", &HistoryLine::air_supposed},
+};
+
 // With its line end. Numbers have 3 or 4 digits, blanks fill it up, and a checksum marks a line that a power cut tore.
 constexpr std::size_t kHistoryLineBytes = 104;
 std::string history_text(const HistoryLine& line);

@@ -23,10 +23,6 @@ struct Mean {
   std::optional<double> value() const { return count > 0 ? std::optional(sum / count) : std::nullopt; }
 };
 
-std::string cell(const std::optional<double>& value) {
-  return value ? fmt::format("{}", *value) : std::string();
-}
-
 }  // namespace
 
 std::vector<Spell> spells_of(const std::vector<HistoryLine>& lines) {
@@ -60,17 +56,18 @@ std::string spell_state(const Spell& spell) {
 }
 
 std::string history_csv(const std::vector<HistoryLine>& lines) {
-  std::string text =
-      "utc,shown,trouble,hidden_s,turbidity,sigma_turbidity,aod_550,sigma_aod_550,air_age_min,scene_age_s,sky_age_s,"
-      "latency_95_ms,celsius,pictures_share,building,clock_trusted,air_supposed\n";
-  for (const auto& line : lines)
-    text +=
-        fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{:d},{:d},{:d}\n", utc_text(line.utc),
-                    name_of(line.shown), code_of(line.trouble), line.hidden_s, cell(line.turbidity),
-                    cell(line.sigma_turbidity), cell(line.aod_550), cell(line.sigma_aod_550), cell(line.air_age_min),
-                    cell(line.scene_age_s), cell(line.sky_age_s), cell(line.latency_95_ms), cell(line.celsius),
-                    cell(line.pictures_share), line.building, line.clock_trusted, line.air_supposed);
-  return text;
+  std::string text = "utc,shown,trouble,hidden_s";
+  for (const auto& column : kHistoryColumns) text += fmt::format(",{}", column.name);
+  for (const auto& flag : kHistoryFlags) text += fmt::format(",{}", flag.name);
+  for (const auto& line : lines) {
+    text += fmt::format("\n{},{},{},{}", utc_text(line.utc), name_of(line.shown), code_of(line.trouble), line.hidden_s);
+    for (const auto& column : kHistoryColumns) {
+      const auto& value = line.*column.value;
+      text += value ? fmt::format(",{}", *value) : ",";
+    }
+    for (const auto& flag : kHistoryFlags) text += fmt::format(",{:d}", line.*flag.value);
+  }
+  return text + "\n";
 }
 
 }  // namespace kasumi

@@ -41,9 +41,7 @@ TEST(HistoryLines, NumbersOfAnySizeFit) {
     auto line = whole_line();
     line.number = 0xffffffff;
     line.hidden_s = 1000;
-    for (auto* number : {&line.turbidity, &line.sigma_turbidity, &line.aod_550, &line.sigma_aod_550, &line.air_age_min,
-                         &line.scene_age_s, &line.sky_age_s, &line.latency_95_ms, &line.celsius, &line.pictures_share})
-      *number = value;
+    for (const auto& column : kHistoryColumns) line.*column.value = value;
     const auto text = history_text(line);
     ASSERT_EQ(text.size(), kHistoryLineBytes);
     const auto read = parse_history(text);

@@ -103,6 +103,7 @@ TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
   status.scene_camera.health.width = status.scene_camera.health.height = 480;
   status.scene_camera.health.last_good = status.now;
   status.scene_camera.health.mode.emplace();
+  status.sky_camera.health.last_good = status.now - std::chrono::seconds(7);
   status.sky.report.air.emplace().observers.emplace_back();
   status.visibility.at = status.utc;
   status.render.latency_minute = LatencySummary{.median_ms = 61.0, .p95_ms = 80.0, .max_ms = 99.0, .pictures = 1500};
@@ -122,6 +123,17 @@ TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
   for (const auto& figure : kCameraFigures)
     EXPECT_EQ(written(fmt::format("scene_camera.{}", figure.key)).is_null(), !seen.scene_camera.values.of(figure.key))
         << figure.key;
+
+  const auto line = history_line(status);
+  const auto of = [&](std::string_view key) {
+    if (const auto dot = key.find("camera."); dot != std::string_view::npos)
+      return (key.starts_with("sky") ? seen.sky_camera : seen.scene_camera).values.of(key.substr(dot + 7));
+    return seen.values.of(key);
+  };
+  for (const auto& column : kHistoryColumns)
+    EXPECT_EQ(line.*column.value, of(column.figure).value() / column.unit) << column.name;
+  for (const auto& flag : kHistoryFlags) EXPECT_EQ(line.*flag.value, of(flag.figure) == 1.0) << flag.name;
+  EXPECT_EQ(line.sky_age_s, 7.0);
 }
 
 }  // namespace

@@ -296,18 +296,7 @@ double copies_per_frame(const Status& status) {
   return per(camera.frames_copied, camera.good_frames) + per(render.uploads, render.scene_frames);
 }
 
-}  // namespace
-
-std::string heat_text(const HeatStatus& heat) {
-  std::string text = heat.show_one_of == 1   ? "all pictures are shown"
-                     : heat.show_one_of == 2 ? "every second picture is shown"
-                                             : "every fourth picture is shown";
-  if (heat.zone) text += fmt::format(": {} at {:.0f} degrees", heat.zone->name, heat.zone->celsius);
-  if (heat.throttled) text += heat.zone ? ", the firmware throttles" : ": the firmware throttles";
-  return text;
-}
-
-std::string status_json(const Status& status) {
+OrderedJson whole_json(const Status& status) {
   const auto& rung = status.render.rung;
   const auto* seen = status.sky.report.seen_air();
   const auto of_seen = [&](auto value) { return seen ? OrderedJson(value(*seen)) : OrderedJson(nullptr); };
@@ -358,7 +347,30 @@ std::string status_json(const Status& status) {
   json["since_boot_s"] = std::round(10.0 * since_boot_s()) / 10.0;
   json["since_utc"] = utc_text(status.since);
   json["utc"] = utc_text(status.utc);
-  return json.dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return json;
+}
+
+// "air.age_s"; null: it is not there.
+OrderedJson figure_of(const OrderedJson& json, std::string_view key) {
+  const auto dot = key.find('.');
+  const auto found = json.find(key.substr(0, dot));
+  if (found == json.end()) return nullptr;
+  return dot == std::string_view::npos ? *found : figure_of(*found, key.substr(dot + 1));
+}
+
+}  // namespace
+
+std::string heat_text(const HeatStatus& heat) {
+  std::string text = heat.show_one_of == 1   ? "all pictures are shown"
+                     : heat.show_one_of == 2 ? "every second picture is shown"
+                                             : "every fourth picture is shown";
+  if (heat.zone) text += fmt::format(": {} at {:.0f} degrees", heat.zone->name, heat.zone->celsius);
+  if (heat.throttled) text += heat.zone ? ", the firmware throttles" : ": the firmware throttles";
+  return text;
+}
+
+std::string status_json(const Status& status) {
+  return whole_json(status).dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 std::string status_line(const Status& status) {
@@ -388,26 +400,11 @@ HistoryLine history_line(const Status& status) {
   line.utc = std::chrono::floor<std::chrono::minutes>(status.utc);
   line.shown = status.render.rung.shown;
   line.trouble = status.render.rung.trouble;
-  if (const auto* air = status.sky.report.seen_air()) {
-    line.turbidity = air->air.turbidity().value;
-    line.sigma_turbidity = air->sigma_turbidity;
-    line.aod_550 = air_quality(air->air, 0.0).aod_550;
-  }
-  if (const auto& air = status.sky.report.air) {
-    line.sigma_aod_550 = aod_sigma(*air);
-    line.air_age_min = to_seconds(air->age) / 60.0;
-    line.air_supposed = air->supposed;
-  }
-  const auto age_s = [&](const CameraHealth& health) {
-    return health.last_good ? std::optional(to_seconds(status.now - *health.last_good)) : std::nullopt;
-  };
-  line.scene_age_s = age_s(status.scene_camera.health);
-  line.sky_age_s = age_s(status.sky_camera.health);
-  if (const auto& latency = status.render.latency_minute) line.latency_95_ms = latency->p95_ms;
-  if (status.heat.zone) line.celsius = status.heat.zone->celsius;
-  line.pictures_share = 1.0 / status.heat.show_one_of;
-  line.building = status.render.building_drawn;
-  line.clock_trusted = status.sky.clock_trusted;
+  const auto json = whole_json(status);
+  for (const auto& column : kHistoryColumns)
+    if (const auto figure = figure_of(json, column.figure); figure.is_number())
+      line.*column.value = figure.get<double>() / column.unit;
+  for (const auto& flag : kHistoryFlags) line.*flag.value = figure_of(json, flag.figure) == OrderedJson(true);
   return line;
 }
 
