@@ -30,12 +30,12 @@ inline std::string text_of(std::uint32_t format) {
   return text;
 }
 
-// A picture of noise in memory with a file descriptor.
+// A picture of noise in memory with a file descriptor: of one size, the same for each number.
 class Buffer {
  public:
   Buffer(PixelLayout layout, YuvEncoding encoding, int width, int height, std::uint32_t gap, std::uint64_t number,
          std::uint32_t first = 0) {
-    static std::mt19937_64 random(3);
+    std::mt19937_64 random(2 + number);
     picture = {-1, number, layout, encoding, width, height, {}};
     view = {layout, encoding, width, height, {}};
     std::uint32_t end = first;
