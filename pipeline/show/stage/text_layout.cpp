@@ -18,7 +18,6 @@
 #include "base/c_ptr.hpp"
 #include "base/files.hpp"
 #include "base/unique_fd.hpp"
-#include "pipeline/show/stage/text_breaking.hpp"
 
 namespace kasumi {
 namespace {
@@ -157,7 +156,10 @@ void TextLayout::CloseParts::operator()(Parts* parts) const {
 }
 
 Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& style) {
-  if (auto characters = characters_of(text); !characters) return fail(characters.error());
+  const char* end = nullptr;
+  if (g_utf8_validate(text.data(), static_cast<gssize>(text.size()), &end) == FALSE)
+    return fail(FaultKind::bad_input, "text: byte {} ({:#04x}) is not UTF-8", end - text.data(),
+                static_cast<unsigned char>(*end));
   auto fonts = fonts_with(style.font_file);
   if (!fonts) return fail(fonts.error());
   std::unique_ptr<Parts, CloseParts> parts(new Parts);

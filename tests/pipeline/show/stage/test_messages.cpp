@@ -1,4 +1,4 @@
-// Messages on the picture: their texts, line breaking and rendering.
+// Messages on the picture: their texts and rendering.
 #include <chrono>
 #include <filesystem>
 #include <set>
@@ -10,7 +10,6 @@
 
 #include "base/files.hpp"
 #include "pipeline/show/stage/caption.hpp"
-#include "pipeline/show/stage/text_breaking.hpp"
 #include "pipeline/site/config/messages.hpp"
 #include "tests/pipeline/show/stage/harfbuzz_line.hpp"
 #include "tests/places.hpp"
@@ -18,7 +17,6 @@
 namespace kasumi {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 #define ASSERT_OK(result) ASSERT_TRUE((result).has_value()) << (result).error().message
@@ -29,7 +27,6 @@ TEST(Messages, EveryLanguageHasItsOwnTextForEveryMessage) {
     for (const Message message : kMessages) {
       const auto sentence = message_text(message, language);
       EXPECT_FALSE(sentence.empty()) << code_of(language) << ", message " << static_cast<int>(message);
-      EXPECT_TRUE(characters_of(sentence).has_value()) << sentence;
       if (language != Language::english) {
         EXPECT_NE(sentence, message_text(message, Language::english)) << code_of(language);
       }
@@ -48,80 +45,6 @@ TEST(Messages, LanguagesAreNamedByTheirCodes) {
   ASSERT_FALSE(wrong);
   EXPECT_EQ(wrong.error().kind, FaultKind::bad_input);
   EXPECT_THAT(wrong.error().message, testing::AllOf(HasSubstr("tlh"), HasSubstr("en, de, fr, it, es, ja")));
-}
-
-TEST(TextBreaking, ReadsUtf8AndNothingElse) {
-  EXPECT_EQ(characters_of("a\u00e9\u6F22\U0001F600"), (std::u32string{U'a', 0xE9, 0x6F22, 0x1F600}));
-  EXPECT_EQ(characters_of(""), std::u32string{});
-  // A lone continuation byte, a truncated sequence, Latin-1, overlong (Unicode 15, table 3-7), a surrogate, beyond
-  // U+10FFFF.
-  for (const char* bytes : {"\x80", "\xE6\xBC", "caf\xE9", "\xC0\xAF", "\xE0\x9F\xBF", "\xF0\x8F\xBF\xBF",
-                            "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xFF"})
-    EXPECT_FALSE(characters_of(bytes).has_value()) << testing::PrintToString(bytes);
-  EXPECT_THAT(characters_of("caf\xE9").error().message, HasSubstr("byte 3"));
-}
-
-// Every character is as wide as any.
-std::vector<GlyphExtent> count(std::u32string_view line) {
-  std::vector<GlyphExtent> extents;
-  for (double at = 0.0; extents.size() < line.size(); ++at) extents.push_back({at, at + 1.0});
-  return extents;
-}
-
-TEST(TextBreaking, EndsLinesAtSpacesAndLineFeeds) {
-  EXPECT_THAT(break_lines(U"the castle\n\nstood here", 20, count), ElementsAre(U"the castle", U"", U"stood here"));
-  EXPECT_THAT(break_lines(U"  aaa bbb ccc ", 7, count), ElementsAre(U"aaa bbb", U"ccc"));
-  EXPECT_THAT(break_lines(U"", 7, count), ElementsAre(U""));
-  // U+00A0 does not break.
-  EXPECT_THAT(break_lines(U"aa bb\u00A0cc", 6, count), ElementsAre(U"aa", U"bb\u00A0cc"));
-}
-
-TEST(TextBreaking, MakesLinesOfOneParagraphAboutEquallyLong) {
-  // Greedy filling would leave "d" alone.
-  EXPECT_THAT(break_lines(U"aaaa bbbb cccc d", 14, count), ElementsAre(U"aaaa bbbb", U"cccc d"));
-}
-
-TEST(TextBreaking, CutsAWordThatIsWiderThanALine) {
-  const auto lines = break_lines(U"abcdefghij", 4, count);
-  std::u32string together;
-  for (const auto& line : lines) {
-    EXPECT_LE(line.size(), 4u);
-    together += line;
-  }
-  EXPECT_EQ(together, U"abcdefghij");
-  EXPECT_EQ(lines.size(), 3u);
-  EXPECT_EQ(break_lines(U"ab", 0.5, count).size(), 2u) << "a character is the least a line holds";
-}
-
-TEST(TextBreaking, BreaksJapaneseBetweenCharactersButNotBeforeItsMarks) {
-  // JIS X 4051: no line begins with a full stop or a closing bracket, none ends with an opening one.
-  for (double width = 3; width < 12; ++width)
-    for (const auto& line : break_lines(U"雲が晴れると「城」が見えます。遠くに、霞む。", width, count)) {
-      EXPECT_EQ(std::u32string_view(U"。、」").find(line.front()), std::u32string_view::npos) << width;
-      EXPECT_TRUE(line.size() == 1 || line.back() != U'「') << width;
-    }
-  EXPECT_THAT(break_lines(U"あいうえお", 3, count), ElementsAre(U"あいう", U"えお"));
-}
-
-// Words, no word at all, only spaces, a language without spaces: on lines of one character and of many.
-TEST(TextBreaking, LongTextIsMeasuredOnce) {
-  std::u32string words, one_word(20000, U'x'), spaces = U"x" + std::u32string(20000, U' ') + U"x", japanese;
-  while (words.size() < 20000) words += U"castle ";
-  while (japanese.size() < 20000) japanese += U"遠くに、霞む。";
-  for (const auto& text : {words, one_word, spaces, japanese})
-    for (const double width : {1.0, 40.0, 30000.0}) {
-      std::size_t measured = 0;
-      const auto began = std::chrono::steady_clock::now();
-      const auto lines = break_lines(text, width, [&](std::u32string_view line) {
-        measured += line.size();
-        return count(line);
-      });
-      EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(2));
-      EXPECT_EQ(measured, text.size());
-      std::size_t longest = 0;
-      for (const auto& line : lines) longest = std::max(longest, line.size());
-      EXPECT_LE(static_cast<double>(longest), width);
-    }
 }
 
 class Captions : public testing::Test {
@@ -175,6 +98,15 @@ TEST_F(Captions, AreCentredOnTheirBackground) {
   EXPECT_NEAR(first, picture.width() - 1 - last, 2) << "pixels left and right";
   for (int y = 0; y < picture.height(); ++y)  // left and right halves mirror each other
     EXPECT_EQ(picture.at(0, y).a, picture.at(picture.width() - 1, y).a);
+}
+
+TEST_F(Captions, RefuseWhatIsNotUtf8) {
+  // A lone continuation byte, a truncated sequence, Latin-1, overlong (Unicode 15, table 3-7), a surrogate, beyond
+  // U+10FFFF.
+  for (const char* bytes : {"\x80", "\xE6\xBC", "caf\xE9", "\xC0\xAF", "\xE0\x9F\xBF", "\xF0\x8F\xBF\xBF",
+                            "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF8\x88\x80\x80\x80", "\xFF"})
+    EXPECT_FALSE(draw_caption(bytes, {}).has_value()) << testing::PrintToString(bytes);
+  EXPECT_THAT(draw_caption("caf\xE9", {}).error().message, HasSubstr("byte 3 (0xe9) is not UTF-8"));
 }
 
 TEST_F(Captions, BreakWithinTheirWidthAndKeepTheirHeight) {
