@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "gles/gl/patterns.hpp"
 #include "gles/light/airlight_grid.hpp"
@@ -162,6 +164,30 @@ inline vec4 texture2D(const sampler2D& s, vec2 place) {
   return s.at(held(x, s.width), held(y, s.height));
 }
 
+// The light of the camera's pixels in a box, each found when it is first asked for: around a mixed pixel thirteen are.
+class LightSeen {
+ public:
+  explicit LightSeen(const PixelBox& box)
+      : box_(box), light_(std::make_unique_for_overwrite<vec3[]>(count())), known_(count(), 0) {}
+  template <class Find>
+  vec3 at(int x, int y, Find find) {
+    if (x < box_.left || x >= box_.right || y < box_.top || y >= box_.bottom) return find();
+    const auto i = static_cast<std::size_t>(y - box_.top) * columns() + static_cast<std::size_t>(x - box_.left);
+    if (known_[i] == 0) {
+      light_[i] = find();
+      known_[i] = 1;
+    }
+    return light_[i];
+  }
+
+ private:
+  std::size_t columns() const { return static_cast<std::size_t>(box_.right - box_.left); }
+  std::size_t count() const { return columns() * static_cast<std::size_t>(box_.bottom - box_.top); }
+  PixelBox box_;
+  std::unique_ptr<vec3[]> light_;
+  std::vector<std::uint8_t> known_;
+};
+
 // What the text takes from elsewhere.
 struct TextInputs {
   const PictureView* camera_planes = nullptr;
@@ -170,11 +196,15 @@ struct TextInputs {
   vec4 steps, numbers, object;  // texels of the pixel: of dither, noise and layer
   vec4 gl_FragColor;
 
-  vec3 camera_at(vec2 place) const {
+  glm::ivec2 pixel_at(vec2 place) const {
     const PictureView& p = *camera_planes;
     const int x = static_cast<int>(place.x * static_cast<float>(p.width));
     const int y = static_cast<int>(place.y * static_cast<float>(p.height));
-    const glm::vec3 seen = encoded_at(p, camera_matrix, std::clamp(x, 0, p.width - 1), std::clamp(y, 0, p.height - 1));
+    return {std::clamp(x, 0, p.width - 1), std::clamp(y, 0, p.height - 1)};
+  }
+  vec3 camera_at(vec2 place) const {
+    const glm::ivec2 pixel = pixel_at(place);
+    const glm::vec3 seen = encoded_at(*camera_planes, camera_matrix, pixel.x, pixel.y);
     return {seen.x, seen.y, seen.z};
   }
   float in_table(float at, float row) const {  // as in response.glsl
@@ -205,6 +235,11 @@ struct FreeText : TextInputs {  // nothing is in front of the object
 #define MATTE_NODES
 #define IN_FRONT
 struct OpenText : TextInputs {
+  LightSeen* kept_light = nullptr;
+  vec3 light_seen(vec2 place) {
+    glm::ivec2 pixel = pixel_at(place);  // `const` is the text's
+    return kept_light->at(pixel.x, pixel.y, [&] { return light_of(clamp(camera_at(place), 0.0F, 1.0F)); });
+  }
 #include "picture.frag"
 #undef shown
 };
@@ -374,6 +409,8 @@ void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, gl
   }
   text.matte_nodes = sampler(sampler2D::Texel::rgba, nodes);
   text.matte_nodes.smooth = true;
+  LightSeen kept_light(in.layer.box);
+  text.kept_light = &kept_light;
   mix_all(text, in, rectangles, first, mixed);
 }
 

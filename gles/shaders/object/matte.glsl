@@ -19,10 +19,14 @@ const float kLeaning = 0.1;            // towards what the pixel usually is
 
 float along(vec3 light, vec3 behind, vec3 towards) { return dot(kSeen * towards, light - behind); }
 
+#if defined(GL_ES)
+vec3 light_seen(vec2 place) { return light_of(clamp(camera_at(place), 0.0, 1.0)); }
+#endif
+
 // The leaf's and the background's place between B and F differ from leaf to leaf: sums of both kinds' places, and their
 // weights.
 vec4 kinds_at(vec2 place, vec3 behind, vec3 towards) {
-  float at = clamp(along(light_of(clamp(camera_at(place), 0.0, 1.0)), behind, towards), -0.5, 1.5);
+  float at = clamp(along(light_seen(place), behind, towards), -0.5, 1.5);
   float clear = clamp((kPure - at) / kUnsure, 0.0, 1.0), front = clamp((at - 1.0 + kPure) / kUnsure, 0.0, 1.0);
   return vec4(clear * at, clear, front * at, front);
 }

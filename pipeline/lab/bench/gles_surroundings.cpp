@@ -126,6 +126,21 @@ Result<std::vector<BenchRow>> bench_surroundings() {
       watch.ratio(look, frame_of(*ground), kSurroundedPairs));
   add("layer redrawn over ground that is looked at / that is taken as lit",
       watch.ratio(MovingSun(*known_ground, looked_at, true), MovingSun(*ground, lit, true), kRedrawnPairs));
+  auto cut_on_processor = showing(**context, scene, scene.facade, {}, Mixing::processor);
+  auto leaves_on_processor = showing(**context, scene, scene.facade, {}, Mixing::processor);
+  for (const auto& [renderer, what] : {std::pair{&cut_on_processor, hard(mask)}, {&leaves_on_processor, mask}}) {
+    if (!*renderer) return fail(renderer->error());
+    if (auto set = (*renderer)->set_foreground(what, 0.0); !set) return fail(set.error());
+    if (auto drawn = (*renderer)->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
+  }
+  const auto mixed = [&](Renderer& renderer) {
+    return [&]() -> Result<> {
+      const auto made = renderer.mix(scene.measured);
+      return made ? Result<>{} : fail(made.error());
+    };
+  };
+  add("mixed by the processor behind leaves that sway / behind a hard mask",
+      watch.ratio(mixed(*leaves_on_processor), mixed(*cut_on_processor), kSurroundedPairs));
   if (!watch.result()) return fail(watch.result().error());
   return rows;
 }
