@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <charconv>
 
 #include "capture/v4l2/offer.hpp"
 #include "capture/v4l2/v4l2_source.hpp"
@@ -19,17 +18,6 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
     entries.push_back(it->path());
   std::sort(entries.begin(), entries.end());
   return entries;
-}
-
-// The number of "video12"; empty for other names.
-std::optional<int> video_number(const fs::path& path) {
-  const auto name = path.filename().string();
-  if (!name.starts_with("video")) return std::nullopt;
-  int number = 0;
-  const auto* end = name.data() + name.size();
-  const auto [rest, error] = std::from_chars(name.data() + 5, end, number);
-  if (error != std::errc{} || rest != end) return std::nullopt;
-  return number;
 }
 
 std::vector<fs::path> stable_paths_of(const fs::path& node, const fs::path& devices) {
@@ -71,12 +59,8 @@ std::optional<V4l2Listing> listing_of(const fs::path& node, const fs::path& devi
 }  // namespace
 
 std::vector<V4l2Listing> list_v4l2_cameras(const fs::path& devices) {
-  std::vector<std::pair<int, fs::path>> nodes;
-  for (const auto& entry : entries_of(devices))
-    if (const auto number = video_number(entry)) nodes.emplace_back(*number, entry);
-  std::sort(nodes.begin(), nodes.end());
   std::vector<V4l2Listing> listings;
-  for (const auto& [number, node] : nodes)
+  for (const auto& node : video_nodes(devices))
     if (auto listing = listing_of(node, devices)) listings.push_back(std::move(*listing));
   return listings;
 }

@@ -8,7 +8,10 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <optional>
+#include <utility>
 
 #include "base/unique_fd.hpp"
 
@@ -53,6 +56,17 @@ class SystemVideoDevice final : public VideoDevice {
   UniqueFd fd_;
 };
 
+// The number of "video12"; empty for other names.
+std::optional<int> video_number(const std::filesystem::path& path) {
+  const auto name = path.filename().string();
+  if (!name.starts_with("video")) return std::nullopt;
+  int number = 0;
+  const auto* end = name.data() + name.size();
+  const auto [rest, error] = std::from_chars(name.data() + 5, end, number);
+  if (error != std::errc{} || rest != end) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
 Fault device_fault(int error, std::string_view call) {
@@ -83,6 +97,17 @@ Result<std::unique_ptr<VideoDevice>> open_video_device(const std::filesystem::pa
   if (::fstat(fd.value(), &status) != 0 || !S_ISCHR(status.st_mode))
     return fail(FaultKind::unsupported, "{}: expected a video device", path.string());
   return std::make_unique<SystemVideoDevice>(std::move(fd));
+}
+
+std::vector<std::filesystem::path> video_nodes(const std::filesystem::path& devices) {
+  std::vector<std::pair<int, std::filesystem::path>> numbered;
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(devices, error), end; !error && it != end; it.increment(error))
+    if (const auto number = video_number(it->path())) numbered.emplace_back(*number, it->path());
+  std::sort(numbered.begin(), numbered.end());
+  std::vector<std::filesystem::path> nodes;
+  for (auto& [number, node] : numbered) nodes.push_back(std::move(node));
+  return nodes;
 }
 
 }  // namespace kasumi

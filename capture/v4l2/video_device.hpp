@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
@@ -32,6 +33,9 @@ class VideoDevice {
 
 // Errors: disconnected (no such file), device (any other failure of open(2)), unsupported (not a character device).
 Result<std::unique_ptr<VideoDevice>> open_video_device(const std::filesystem::path& path);
+
+// "/dev/video0" and those that follow, by number, whatever they do.
+std::vector<std::filesystem::path> video_nodes(const std::filesystem::path& devices);
 
 // The fault for a failed call: disconnected when the device is unplugged, else device. "VIDIOC_S_FMT: in use by another
 // program"

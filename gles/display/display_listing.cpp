@@ -1,8 +1,11 @@
 #include "gles/display/display_listing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
+
+#include <fmt/ranges.h>
 
 #include "base/statistics.hpp"
 #include "gles/display/kms_plane_choice.hpp"
@@ -49,6 +52,37 @@ Result<> takes(const std::vector<KmsPlane>& planes, std::uint32_t primary, Pixel
   return fail(FaultKind::unsupported, "no plane converts {}", name_of(layout));
 }
 
+// Those of the building's layer and of a camera's pictures.
+constexpr std::array<const char*, 12> kNamedFormats{"AR24", "AB24", "XR24", "XB24", "RG24", "BG24",
+                                                    "NV12", "YU12", "YV12", "YU16", "YUYV", "UYVY"};
+
+// "overlay: AR24 XR24 NV12 and 9 others; premultiplied; height 1 to 7; converts bt709_limited".
+std::string text_of(const KmsPlane& plane) {
+  std::vector<std::string> named;
+  for (const auto format : plane.formats)
+    if (auto name = drm_format_text(format); std::ranges::find(kNamedFormats, name) != kNamedFormats.end())
+      named.push_back(std::move(name));
+  std::string text = plane.kind == KmsPlane::Kind::primary   ? "primary"
+                     : plane.kind == KmsPlane::Kind::overlay ? "overlay"
+                                                             : "cursor";
+  text += fmt::format(": {}", fmt::join(named, " "));
+  if (plane.formats.size() > named.size()) text += fmt::format(" and {} others", plane.formats.size() - named.size());
+  if (!plane.free) text += "; in use";
+  text += !plane.premultiplied   ? "; blending not said"
+          : *plane.premultiplied ? "; premultiplied"
+                                 : "; not premultiplied";
+  if (!plane.zpos)
+    text += "; height not said";
+  else if (plane.zpos->fixed)
+    text += fmt::format("; height {}", plane.zpos->now);
+  else
+    text += fmt::format("; height {} to {}", plane.zpos->least, plane.zpos->most);
+  std::vector<std::string_view> encodings;
+  for (const auto encoding : plane.encodings) encodings.push_back(name_of(encoding));
+  if (!encodings.empty()) text += fmt::format("; converts {}", fmt::join(encodings, ", "));
+  return text;
+}
+
 void list_planes(KmsDevice& device, const std::vector<KmsConnector>& connectors, ListedCard& card) {
   const auto shown = std::ranges::find_if(connectors, [](const KmsConnector& connector) {
     return connector.connection == KmsConnection::connected && !connector.modes.empty();
@@ -56,6 +90,7 @@ void list_planes(KmsDevice& device, const std::vector<KmsConnector>& connectors,
   if (shown == connectors.end()) return;
   const auto pipe = device.find_pipe(*shown, shown->modes.front());
   const auto planes = pipe ? device.planes(*pipe) : fail(pipe.error());
+  if (planes) std::ranges::transform(*planes, std::back_inserter(card.planes), text_of);
   if (!device.has_atomic())
     card.no_planes = "the driver has no atomic commits";
   else if (!planes)

@@ -29,6 +29,7 @@ struct ListedCard {
   std::vector<ListedConnector> connectors;
   std::vector<std::string> plane_formats;  // of a camera's pictures that the first connected display may lay a building
                                            // over by itself: "XR24", "NV12"
+  std::vector<std::string> planes;         // that the first connected display can show, and their limits
   std::string no_planes;                   // why there are none; empty: there are some, or no display is connected
 };
 

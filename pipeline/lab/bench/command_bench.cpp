@@ -10,6 +10,7 @@
 #include "gles/gl/context.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/lab/bench/bench.hpp"
+#include "pipeline/lab/bench/board.hpp"
 #include "pipeline/lab/bench/gles.hpp"
 #include "pipeline/lab/bench/haze.hpp"
 #include "pipeline/lab/bench/recorded_run.hpp"
@@ -19,7 +20,7 @@ namespace kasumi {
 namespace {
 
 struct BenchArguments {
-  bool markdown = false;
+  bool markdown = false, board = false;
   std::vector<std::string> only;
   std::string json, against;
 };
@@ -177,8 +178,18 @@ void add_bench_command(CLI::App& app, Action& action) {
   command->add_option("--against", arguments->against,
                       "Names what became more than 10 % slower since the run in this file, which --json wrote, after "
                       "measuring it twice; exit code 1 if anything did and the run is of this machine");
-  const std::string version = app.version();
-  command->callback([&action, arguments, version] { action = [=] { return bench(*arguments, version); }; });
+  command
+      ->add_flag("--board", arguments->board,
+                 "What this machine is, which path pictures take on it and what that costs, to be sent: within 2 "
+                 "minutes, without a camera and without personal data")
+      ->excludes("--markdown", "--only", "--json", "--against");
+  command->callback([&action, &app, arguments] {
+    action = [arguments, version = app.version()]() -> Result<int> {
+      if (!arguments->board) return bench(*arguments, version);
+      print_board(version);
+      return 0;
+    };
+  });
 }
 
 }  // namespace kasumi

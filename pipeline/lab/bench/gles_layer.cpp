@@ -16,17 +16,6 @@
 namespace kasumi {
 namespace {
 
-// Of a JPEG of quality 85, nearly.
-std::shared_ptr<const JpegSteps> steps_of_jpeg() {
-  JpegSteps steps;
-  for (std::size_t i = 0; i < steps.luma.size(); ++i) {
-    const auto order = static_cast<std::uint16_t>(i / 8 + i % 8);  // across and down
-    steps.luma[i] = static_cast<std::uint16_t>(4 + 2 * order);
-    steps.chroma[i] = static_cast<std::uint16_t>(5 + 3 * order);
-  }
-  return std::make_shared<const JpegSteps>(steps);
-}
-
 constexpr int kFramePairs = 31;      // of frames
 constexpr int kLayerPairs = 3;       // of redrawn layers
 constexpr int kLargeModelPairs = 1;  // of redrawn layers of the large model

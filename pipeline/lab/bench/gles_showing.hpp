@@ -1,6 +1,8 @@
 // A renderer that is ready to draw the bench's scene, and its redraws of a day.
 #pragma once
 
+#include <memory>
+
 #include <glm/geometric.hpp>
 
 #include "gles/gl/context.hpp"
@@ -19,6 +21,17 @@ inline Result<Renderer> showing(GlContext& context, const BenchScene& scene, con
   if (auto drawn = renderer->redraw_layer(scene.appearance); !drawn) return fail(drawn.error());
   if (auto loaded = renderer->upload(scene.frame.rgba()); !loaded) return fail(loaded.error());
   return renderer;
+}
+
+// Of a JPEG of quality 85, nearly.
+inline std::shared_ptr<const JpegSteps> steps_of_jpeg() {
+  JpegSteps steps;
+  for (std::size_t i = 0; i < steps.luma.size(); ++i) {
+    const auto order = static_cast<std::uint16_t>(i / 8 + i % 8);  // across and down
+    steps.luma[i] = static_cast<std::uint16_t>(4 + 2 * order);
+    steps.chroma[i] = static_cast<std::uint16_t>(5 + 3 * order);
+  }
+  return std::make_shared<const JpegSteps>(steps);
 }
 
 // The layer under a sun and a sky that have moved since it was drawn last, as every redraw of a day.

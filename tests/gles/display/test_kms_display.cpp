@@ -428,6 +428,13 @@ TEST_F(KmsRig, ListsWhatTheDisplayMayLayABuildingOver) {
   card_.planes[0].encodings = {YuvEncoding::bt709_limited};
   EXPECT_THAT(list_displays(*system_)[0].plane_formats, ElementsAre("XR24", "NV12"));
   EXPECT_EQ(list_displays(*system_)[0].no_planes, "");
+  card_.planes[0].formats.push_back(drm_format("XR30"));
+  card_.planes[1].premultiplied = true;
+  card_.planes[1].zpos = {.now = 2, .least = 1, .most = 7};
+  EXPECT_THAT(
+      list_displays(*system_)[0].planes,
+      ElementsAre("primary: XR24 AR24 NV12 and 1 others; blending not said; height not said; converts bt709_limited",
+                  "overlay: XR24 AR24; premultiplied; height 1 to 7"));
   card_.planes.resize(1);  // virtio_gpu
   EXPECT_EQ(list_displays(*system_)[0].no_planes, "the display has no overlay plane");
   card_.has_atomic = false;
