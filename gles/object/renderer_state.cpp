@@ -137,9 +137,13 @@ Result<const Image<glm::u8vec4>*> Renderer::State::mixed(const AirlightGrid* mea
 }
 
 Result<> Renderer::State::show(const Image<glm::u8vec4>& picture, const DrawTarget& target) {
+  const PictureOnTarget shown(target, picture.width(), picture.height());
+  if (shown.same_size && PictureCopy::works(info)) {
+    shown.begin(target, false);
+    return copy.show(picture, target, shown.box);
+  }
   const auto textures = mix->upload(picture, info);
   if (!textures) return fail(textures.error());
-  const PictureOnTarget shown(target, picture.width(), picture.height());
   shown.begin(target, false);
   return composite.draw_camera_alone(programs, {*textures, *response, dither}, shown);
 }

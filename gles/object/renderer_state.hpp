@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gles/gl/picture_copy.hpp"
 #include "gles/gpu_model/gpu_model.hpp"
 #include "gles/light/sky_atlas.hpp"
 #include "gles/object/camera_processing.hpp"
@@ -69,6 +70,7 @@ struct Renderer::State {
   std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture
   std::optional<CameraProcessing> processing;
   std::optional<ProcessorMix> mix;  // empty: the GPU mixes
+  PictureCopy copy;                 // of what it has mixed, to the target
   double bare = 0.0;                // of the target's width: without the layer
   std::vector<std::string> notes;
 

@@ -101,6 +101,13 @@ Result<std::vector<BenchRow>> bench_layer() {
   };
   add("an I420 frame by the shaders / mixed by the processor", watch.ratio(by_shaders, mixed, kFramePairs));
   add("  mixed by the processor / decoding it from JPEG", watch.ratio(mixed, decode, kFramePairs));
+  add("  mixed by the processor and on the screen's buffer / mixed",
+      watch.ratio(
+          [&]() -> Result<> {
+            if (auto loaded = by_processor->upload(scene.frame.i420(), nullptr); !loaded) return loaded;
+            return by_processor->draw(scene.measured, target);
+          },
+          mixed, kFramePairs));
   add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
                   1e-6 * static_cast<double>(large.triangle_count()),
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),

@@ -155,6 +155,35 @@ TEST_F(ProcessorMixesPictures, BehindAMaskWithLeavesAndPassers) {
   expect_alike(drawn(gpu, processor, scene, view_of(seen)), processor, view_of(seen), 3);
 }
 
+// On a target of the picture's size, on one with bars, and where a visitor wipes: each pixel as it was mixed, nothing
+// beside it.
+TEST_F(ProcessorMixesPictures, WhatIsShownIsWhatWasMixed) {
+  const ReferenceScene scene = scene_of(160, 120);
+  const PlanesOfLandscape frame(PixelLayout::i420, YuvEncoding::bt601_full, 160, 120, 0);
+  Renderer renderer = loaded_with(scene, Mixing::processor);
+  ASSERT_TRUE(renderer.upload(frame.view));
+  const auto mixed = renderer.mix(scene.measured);
+  ASSERT_TRUE(mixed) << mixed.error().message;
+  const Image<glm::u8vec4> whole = **mixed;
+  const auto camera = to_rgb(frame.view);
+  for (const double bare : {0.0, 0.25})
+    for (const auto& [width, height] : {std::pair(160, 120), {200, 120}, {160, 151}}) {
+      renderer.set_bare(bare);
+      Offscreen target = make_target(width, height);
+      ASSERT_TRUE(renderer.draw(scene.measured, target.target()));
+      const auto seen = target.read().value();
+      const int left = (width - 160) / 2, top = (height - 120) / 2;
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+          const bool inside = x >= left && x < left + 160 && y >= top && y < top + 120;
+          const Rgb8 shown = !inside                         ? Rgb8(0)
+                             : x < std::lround(bare * width) ? camera.at(x - left, y - top)
+                                                             : Rgb8(whole.at(x - left, y - top));
+          ASSERT_EQ(seen.at(x, y), shown) << bare << ": " << x << ", " << y << " of " << width << " x " << height;
+        }
+    }
+}
+
 TEST_F(ProcessorMixesPictures, AfterwardsTheGpuStillDrawsWhatIsItsOwn) {
   const auto scene = scene_of(160, 120);
   Renderer gpu = loaded_with(scene, Mixing::gpu), processor = loaded_with(scene, Mixing::processor);
