@@ -30,7 +30,7 @@ struct BoardDrawing {
   std::string path;            // what mixes pictures there by itself
   std::vector<BenchRow> rows;  // milliseconds by the clock, and what they are of a plain blit
 };
-// BLOCKS for 45 s at most, and for what a slow machine needs to draw each once. Errors: unsupported (no GL here), device.
+// BLOCKS for 45 s at most, and for what a slow machine needs to draw each once. Errors: unsupported (no GL), device.
 Result<BoardDrawing> draw_for_board();
 
 // Prints it all as it becomes known.
