@@ -293,7 +293,6 @@ Composition RenderLoop::composition() const {
   all.view = visitor_.view();
   if (fading_since_) all.before = std::max(0.0, 1.0 - to_seconds(clock_.now() - *fading_since_) / to_seconds(kEraFade));
   all.hints = visitor_.hints();
-  all.hand.above_hints = !all.hints.empty();
   all.story = visitor_.story();
   return all;
 }

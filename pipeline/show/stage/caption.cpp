@@ -53,6 +53,12 @@ Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& s
   return text_plate(*coverage, kBackgroundOpacity, 0.45 * layout->em_px());
 }
 
+Result<bool> caption_fits(const std::string& text, const CaptionStyle& style) {
+  const auto layout = laid_out(text, style);
+  if (!layout) return fail(layout.error());
+  return layout->left_out() == 0 && !layout->cuts_words();
+}
+
 Result<std::vector<std::string>> caption_faults(const std::string& text, const CaptionStyle& style) {
   const auto layout = laid_out(text, style);
   if (!layout) return fail(layout.error());

@@ -28,6 +28,9 @@ constexpr std::size_t kMostCaptionBytes = 10'000;  // bounds the time to lay it 
 // font can show becomes a box with its number.
 Result<Image<Rgba8>> draw_caption(const std::string& text, const CaptionStyle& style);
 
+// Whether it is whole in so many lines, and no word is cut. Errors as above.
+Result<bool> caption_fits(const std::string& text, const CaptionStyle& style);
+
 // What of a caption will not be seen as it is written, for people: a word that no installed font can show, with the
 // Debian package that can; lines that are cut off. Empty: nothing. Errors as above.
 Result<std::vector<std::string>> caption_faults(const std::string& text, const CaptionStyle& style);

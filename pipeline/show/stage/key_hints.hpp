@@ -11,14 +11,17 @@ namespace kasumi {
 
 class KeyHints {
  public:
-  // Each in the middle of its share of the width, smaller where it would not fit. Errors: device.
+  // Each in the middle of its share of the width, in three lines at most; all smaller where one would not fit.
+  // Errors: device.
   Result<> draw(GlContext& context, const std::vector<std::string>& texts, const MessageOptions& letters,
                 const DrawTarget& target);
+  double foot() const { return foot_; }  // of the picture, that they take: pixels
 
  private:
   std::vector<std::string> texts_;
   CaptionKey key_;
   std::vector<FlatPicture> labels_;
+  double foot_ = 0.0;
 };
 
 }  // namespace kasumi

@@ -23,12 +23,13 @@ std::optional<FlatPlace> building_on_screen(const Installation& installation, co
 }
 
 Result<StoryPanel> panel_of(const StoryView& view, const Content& content, const Installation& kiosk, int width,
-                            int height) {
+                            int height, double foot) {
   PanelRequest request{view.title, view.text, view.language};
   request.font_file = content.config.messages.font_file;
   request.width = width;
   request.height = height;
   request.building = building_on_screen(kiosk, *content.model, width, height);
+  request.foot = foot;
   request.reader = view.reader;
   return with_fonts<Result<StoryPanel>>([request] { return draw_story_panel(request); })
       .value_or(fail(FaultKind::io, "the fonts' disk does not answer"));
@@ -52,7 +53,7 @@ Result<> lay_story_over(Image<Rgb8>& picture, const StoryView& view, const Conte
 void ShownStory::lay_out(GlContext& context, const Content& content, const DrawTarget& target) {
   panel_.reset();
   if (view_.text.empty()) return;
-  const auto laid = panel_of(view_, content, content.config.installation, target.width, target.height);
+  const auto laid = panel_of(view_, content, content.config.installation, target.width, target.height, foot_);
   if (!laid) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, laid.error().message);
   auto picture = FlatPicture::create(context, laid->picture);
   if (!picture) return spdlog::warn("the story \"{}\" is not shown: {}", view_.title, picture.error().message);
@@ -60,9 +61,11 @@ void ShownStory::lay_out(GlContext& context, const Content& content, const DrawT
   place_ = laid->place;
 }
 
-Result<> ShownStory::draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target) {
-  if (view_ != view || width_ != target.width || height_ != target.height) {
+Result<> ShownStory::draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target,
+                          double foot) {
+  if (view_ != view || foot_ != foot || width_ != target.width || height_ != target.height) {
     view_ = view;
+    foot_ = foot;
     width_ = target.width;
     height_ = target.height;
     lay_out(context, content, target);

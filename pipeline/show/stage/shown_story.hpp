@@ -23,21 +23,23 @@ std::optional<FlatPlace> building_on_screen(const Installation& installation, co
 
 // The panel that a visitor reads on a screen of that size. Errors: as draw_story_panel().
 Result<StoryPanel> panel_of(const StoryView& view, const Content& content, const Installation& kiosk, int width,
-                            int height);
+                            int height, double foot = 0.0);
 // The same laid over a picture of the scene camera, by the processor.
 Result<> lay_story_over(Image<Rgb8>& picture, const StoryView& view, const Content& content, const Installation& kiosk);
 
 class ShownStory {
  public:
   // A panel that has no room beside the building is left out, and logged once. BLOCKS for as long as the letters take.
-  // Errors: device.
-  Result<> draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target);
+  // `foot`: of the screen, that others take. Errors: device.
+  Result<> draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target,
+                double foot = 0.0);
 
  private:
   void lay_out(GlContext& context, const Content& content, const DrawTarget& target);
 
   StoryView view_;
   int width_ = 0, height_ = 0;  // of the target
+  double foot_ = 0.0;
   FlatPlace place_;
   std::optional<FlatPicture> panel_;  // empty: no story, or no room
 };

@@ -38,7 +38,7 @@ struct LaidStory {
 };
 
 double usual_line(const PanelRequest& request) {
-  const double usual = std::max(kLeastLine_px, request.height / 30.0);
+  const double usual = std::max(kLeastLine_px, std::min(request.width, request.height) / 30.0);
   const auto& reader = request.reader;
   return reader.large_print ? std::max(1.5 * usual, reader.pixels_per_degree * kLineOverEm) : usual;
 }
@@ -47,7 +47,7 @@ double usual_line(const PanelRequest& request) {
 std::vector<Room> rooms_of(const PanelRequest& request) {
   const double width = request.width, height = request.height, margin = std::round(height / 24.0);
   const Room screen{margin, request.reader.seated ? std::ceil(height * 2.0 / 3.0) : margin, width - margin,
-                    height - margin};
+                    height - std::max(margin, request.foot)};
   const auto& box = request.building;
   // Without a building as if a third of the screen on the other side were one.
   const double gap = box ? margin / 2.0 : 0.0, part = request.reader.left_handed ? 1.0 / 3.0 : 2.0 / 3.0;

@@ -27,6 +27,7 @@ struct PanelRequest {
   std::optional<std::filesystem::path> font_file{};  // as CaptionStyle's
   int width = 1280, height = 720;                    // of the screen, pixels
   std::optional<FlatPlace> building{};               // what must stay free, on the screen
+  double foot = 0.0;                                 // of the screen, that others take: pixels
   PanelReader reader{};
 };
 

@@ -209,8 +209,9 @@ void TextLayout::balance(double largest_px, int most_lines) {
   };
   const int lines = lines_within(largest_px);
   if (lines < 2 || lines > most_lines) return;
+  const bool cut = cuts_words();
   const auto fits = [&](double width_px) {
-    if (lines_within(width_px) > lines) return false;
+    if (lines_within(width_px) > lines || (!cut && cuts_words())) return false;
     PangoRectangle logical;
     pango_layout_get_extents(layout, nullptr, &logical);
     return px(logical.width) <= width_px;
@@ -221,6 +222,19 @@ void TextLayout::balance(double largest_px, int most_lines) {
     (fits(tried) ? wide_enough : too_narrow) = tried;
   }
   lines_within(wide_enough);
+}
+
+bool TextLayout::cuts_words() const {
+  PangoLayout* layout = parts_->layout.get();
+  const char* text = pango_layout_get_text(layout);
+  int count = 0;
+  const PangoLogAttr* characters = pango_layout_get_log_attrs_readonly(layout, &count);
+  for (int i = 1; i < pango_layout_get_line_count(layout); ++i) {
+    const char* from = text + pango_layout_line_get_start_index(pango_layout_get_line_readonly(layout, i));
+    const auto at = g_utf8_pointer_to_offset(text, from);
+    if (from > text && from[-1] != '\n' && at < count && characters[at].is_line_break == 0) return true;
+  }
+  return false;
 }
 
 void TextLayout::place_lines(double line_px, int most_lines) {

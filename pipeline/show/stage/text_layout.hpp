@@ -35,6 +35,7 @@ class TextLayout {
   double width() const { return width_; }             // of the widest line, in pixels
   double height() const { return height_; }           // of all
   std::size_t left_out() const { return left_out_; }  // lines that were one too many
+  bool cuts_words() const;                            // a word is wider than a line
   // Coverage, 0..255, the first line from `top` on; lines are centred in the width, or `side` from its edge. Errors: out of
   // memory (device).
   Result<Image<std::uint8_t>> draw(int width, int height, double top, double side = 0.0) const;

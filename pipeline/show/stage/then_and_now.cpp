@@ -67,22 +67,22 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
     label.text = text;
     label.key = key;
     label.picture.reset();
-    auto style = style_of(letters, target.width, target.height);
+    auto style = label_style_of(letters, target.width, target.height);
     style.largest_width_px = std::max(64, target.width * 45 / 100);
     if (auto flat = FlatPicture::create(context, picture_of_words(text, letters, style)))
       label.picture = std::move(*flat);
   }
   if (!label.picture) return {};
-  const double width = label.picture->width(), height = label.picture->height(), margin = target.height / 24.0 + foot;
+  const double width = label.picture->width(), height = label.picture->height(),
+               margin = std::max(target.height / 24.0, foot);
   if (to - from < width + target.height / 24.0) return {};
   const double left = std::round(std::clamp((from + to - width) / 2.0, 0.0, target.width - width));
   return label.picture->draw(target, {left, std::round(target.height - margin - height), width, height});
 }
 
 Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageOptions& letters,
-                          const DrawTarget& target) {
+                          const DrawTarget& target, double foot) {
   if (view.then.empty()) return {};
-  const double foot = view.above_hints ? letters.print * target.height / 14.0 : 0.0;
   const double edge = std::round(view.bare * target.width);
   if (auto drawn = draw(now_, view.now, 0.0, edge, foot, context, letters, target); !drawn) return drawn;
   if (auto drawn = draw(then_, view.then, edge, target.width, foot, context, letters, target); !drawn) return drawn;

@@ -14,9 +14,8 @@
 namespace kasumi {
 
 struct HandView {
-  double bare = 0.0;         // of the screen's width: the camera's picture alone
-  std::string now, then;     // what is to be seen left and right of the edge; `then` also without one, in a view
-  bool above_hints = false;  // leaves the foot of the picture to what is written there
+  double bare = 0.0;      // of the screen's width: the camera's picture alone
+  std::string now, then;  // what is to be seen left and right of the edge; `then` also without one, in a view
   friend bool operator==(const HandView&, const HandView&) = default;
 };
 
@@ -32,8 +31,9 @@ std::string hour_of(BuildingView view, Utc now, const Site& site, const std::str
 class ThenAndNow {
  public:
   // Over a picture that was drawn with Compositor::set_bare(). A side that is too narrow for its words has none.
-  // Errors: device.
-  Result<> draw(GlContext& context, const HandView& view, const MessageOptions& letters, const DrawTarget& target);
+  // `foot`: pixels that are left to others there. Errors: device.
+  Result<> draw(GlContext& context, const HandView& view, const MessageOptions& letters, const DrawTarget& target,
+                double foot = 0.0);
 
  private:
   struct Label {

@@ -18,6 +18,10 @@ CaptionStyle style_of(const MessageOptions& options, int width, int height) {
   return style;
 }
 
+CaptionStyle label_style_of(const MessageOptions& options, int width, int height) {
+  return style_of(options, width, std::min(width, height));
+}
+
 Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style) {
   if (!options.plain_letters) {
     auto picture = with_fonts<Result<Image<Rgba8>>>([text, style] {

@@ -13,6 +13,9 @@ namespace kasumi {
 // How words look on a picture of that size.
 CaptionStyle style_of(const MessageOptions& options, int width, int height);
 
+// The same for labels beside each other: on a screen that stands upright letters go by its width.
+CaptionStyle label_style_of(const MessageOptions& options, int width, int height);
+
 // Words that cannot be rendered as they should, or not in time, are logged and drawn in the program's own letters.
 Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style);
 
