@@ -28,6 +28,7 @@ UDEV_RULES = """\
 SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-scene", SYMLINK+="v4l/by-id/kasumi-scene"
 SUBSYSTEM=="video4linux", ATTR{name}=="kasumi-sky", SYMLINK+="v4l/by-id/kasumi-sky"
 SUBSYSTEM=="video4linux", ATTR{name}=="vivid-000-vid-cap", SYMLINK+="v4l/by-id/vivid-000"
+SUBSYSTEM=="input", KERNEL=="event*", ATTRS{name}=="Kasumi panel", SYMLINK+="input/by-id/kasumi-panel"
 """
 DRIVERS = """\
 options v4l2loopback devices=2 exclusive_caps=1,1 card_label=kasumi-scene,kasumi-sky
@@ -35,6 +36,7 @@ options vivid n_devs=1 node_types=0x1 input_types=0x0
 options vkms enable_overlay=1
 """
 EVERYTHING = os.environ.get("KASUMI_VM_ALL") == "1"
+FONTS = ("/usr/share/fonts/truetype/vlgothic/VL-Gothic-Regular.ttf",)  # this machine's, for Japanese
 PACKAGES = ("kasumi", "kasumi-kiosk", "kasumi-report")
 NEXT_VERSION = "99.0"
 DEVICE_TESTS = ("test_v4l2_live", "test_libcamera_live", "test_kms", "test_gles")
@@ -101,7 +103,11 @@ def make_disk(build, folder):
         (content / place).mkdir(parents=True)
         for name in PACKAGES:
             shutil.copy(next((folder / place).glob(f"{name}_*.deb")), content / place / f"{name}.deb")
-    shutil.copy(pathlib.Path(__file__).with_name("hostile-peers"), ours)
+    for script in ("hostile-peers", "panel"):
+        shutil.copy(pathlib.Path(__file__).with_name(script), ours)
+    (ours / "fonts").mkdir()
+    for font in FONTS if EVERYTHING else ():
+        shutil.copy(font, ours / "fonts")
     for program in ("feed_loopback", *(DEVICE_TESTS if EVERYTHING else ())):
         run("strip", "-o", ours / program, build / program)
     kasumi = content / "etc/kasumi"
