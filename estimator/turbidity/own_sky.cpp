@@ -120,8 +120,8 @@ cv::Mat1b agreeing(const Differences& found, bool edges_would_show) {
 // A closed layer of cloud is smooth, too. But it is neither blue anywhere nor so much brighter around the sun as haze,
 // which scatters forwards, makes it.
 bool is_air(const ElementLooks& looks, const ClearForm& form, const ClearSkyByForm& sky, const SunDirection& sun) {
-  constexpr float kBlue = -0.35f, kRise = 0.5f;  // ln R/B; ln Y
-  if (quantile(some_of(looks, [&](int x, int y) { return looks.colour(y, x); }), 0.1) < kBlue) return true;
+  constexpr float kSkyBlue = -0.35f, kRise = 0.5f;  // ln R/B; ln Y
+  if (quantile(some_of(looks, [&](int x, int y) { return looks.colour(y, x); }), 0.1) < kSkyBlue) return true;
   const glm::dvec3 level = glm::cross(sun, glm::dvec3{0.0, 0.0, 1.0});
   const glm::dvec3 aside = glm::length(level) > 1e-6 ? glm::normalize(level) : glm::dvec3{1.0, 0.0, 0.0};
   const auto beside = [&](Radians angle) {
