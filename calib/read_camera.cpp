@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/seen_picture.hpp"
+#include "base/picture_files/upright_picture.hpp"
 #include "base/picture_header.hpp"
 #include "calib/camera.hpp"
 #include "calib/lens/polynomial.hpp"
@@ -140,7 +140,7 @@ Image<std::uint8_t> read_mask(const ConfigTable& table, int width, int height) {
   // Before it is decoded; it may have to be turned.
   if (header && !header->is(width, height) && !header->is(height, width))
     return of_another_size(header->width, header->height);
-  const Result<SeenPicture> seen = header ? decode_seen_picture(*header, *bytes) : Result<SeenPicture>();
+  const Result<UprightPicture> seen = header ? decode_upright_picture(*header, *bytes) : Result<UprightPicture>();
   if (!seen || seen->picture.empty()) {
     table.problem("mask", seen ? "a PNG" : fmt::format("a PNG that can be read ({})", seen.error().message));
     return {};

@@ -63,7 +63,7 @@ std::string_view name_of(PictureCondition condition) {
   return "unknown";
 }
 
-PictureSample sample_picture(const PictureView& picture) {
+ConditionSample sample_picture(const PictureView& picture) {
   const auto channel = brightness_of(picture.layout);
   const auto& plane = picture.planes[0];
   std::array<int, kColumns * kRows> places{};
@@ -79,7 +79,7 @@ PictureSample sample_picture(const PictureView& picture) {
   return {fingerprint_of(picture), *std::max_element(places.begin(), places.end()) / kPerPlace, *twentieth / kPerPlace};
 }
 
-PictureCondition ConditionWatch::observe(const PictureSample& sample, Instant now) {
+PictureCondition ConditionWatch::observe(const ConditionSample& sample, Instant now) {
   auto seen = PictureCondition::normal;
   if (sample.brightest < kDark)
     seen = PictureCondition::covered;

@@ -15,7 +15,7 @@ constexpr Duration kShortestBackoff = std::chrono::milliseconds(10);  // even if
 // How long to wait before each attempt.
 class Backoff {
  public:
-  explicit Backoff(const ReconnectOptions& options)
+  explicit Backoff(const ReconnectTimes& options)
       : first_(std::max(options.first_backoff, kShortestBackoff)),
         longest_(std::max(options.longest_backoff, first_)),
         jitter_(std::clamp(options.jitter, 0.0, 1.0)),
@@ -41,7 +41,7 @@ class Backoff {
 
 class Reconnecting final : public ReconnectingSource {
  public:
-  Reconnecting(SourceOpener opener, Clock& clock, const ReconnectOptions& options)
+  Reconnecting(SourceOpener opener, Clock& clock, const ReconnectTimes& options)
       : opener_(std::move(opener)),
         clock_(clock),
         options_(options),
@@ -247,7 +247,7 @@ class Reconnecting final : public ReconnectingSource {
 
   const SourceOpener opener_;
   Clock& clock_;
-  const ReconnectOptions options_;
+  const ReconnectTimes options_;
   Backoff backoff_;
   ConditionWatch watch_;
 
@@ -277,7 +277,7 @@ class Reconnecting final : public ReconnectingSource {
 
 }  // namespace
 
-std::unique_ptr<ReconnectingSource> reconnecting(SourceOpener opener, Clock& clock, ReconnectOptions options) {
+std::unique_ptr<ReconnectingSource> reconnecting(SourceOpener opener, Clock& clock, ReconnectTimes options) {
   return std::make_unique<Reconnecting>(std::move(opener), clock, options);
 }
 

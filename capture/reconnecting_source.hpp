@@ -25,7 +25,7 @@ struct SourceOpener {
 // present when it does not return `disconnected`.
 SourceOpener reopening(std::string name, std::unique_ptr<FrameSource> source, Clock& clock);
 
-struct ReconnectOptions {
+struct ReconnectTimes {
   Duration first_frame_deadline = std::chrono::seconds(4);  // streaming started, but no frame arrives
   Duration stall_deadline = std::chrono::seconds(2);        // frames stop arriving; several frame intervals
   Duration bad_frames_deadline = std::chrono::seconds(10);  // frames arrive, but all are bad
@@ -77,6 +77,6 @@ class ReconnectingSource : public FrameSource {
 // releases all frames before it asks again. `timeout` while waiting for the camera to return; `end_of_stream` as the
 // source returns it. A source is closed completely before another is opened. Nothing is opened before the first next().
 // Frozen, covered and white pictures are reported in health(), and still delivered.
-std::unique_ptr<ReconnectingSource> reconnecting(SourceOpener opener, Clock& clock, ReconnectOptions options = {});
+std::unique_ptr<ReconnectingSource> reconnecting(SourceOpener opener, Clock& clock, ReconnectTimes options = {});
 
 }  // namespace kasumi

@@ -95,7 +95,7 @@ struct FoundAerosol {
 };
 
 // What one model of the clear sky makes of a picture.
-struct SkyModelAnswer {
+struct ModelAnswer {
   std::string name;  // "preetham", "dome, continental", "hosek"
   Turbidity turbidity;
   double aod_550 = 0.0;
@@ -114,9 +114,9 @@ struct TurbidityEstimate {
   int samples = 0;              // used in the fit
   double log_residual = 0.0;    // root mean square of ln(measured/model) over the inliers
   SunDirection sun{0.0, 0.0, 1.0};
-  // Where several models were asked (SkyToFit::every_model); T and sigma then follow from the aerosol.
+  // Where several models were asked (ModelToFit::every_model); T and sigma then follow from the aerosol.
   std::optional<FoundAerosol> found;
-  std::vector<SkyModelAnswer> models;  // the likeliest first
+  std::vector<ModelAnswer> models;  // the likeliest first
 };
 
 }  // namespace kasumi

@@ -27,8 +27,8 @@ bool is_address(const std::string& address) {
   return ::inet_pton(AF_INET, address.c_str(), &four) == 1 || ::inet_pton(AF_INET6, address.c_str(), &six) == 1;
 }
 
-TokenOptions read_token(const ConfigTable& table) {
-  TokenOptions token;
+AccessToken read_token(const ConfigTable& table) {
+  AccessToken token;
   token.name = table.text("name");
   token.hash = table.text("hash");
   token.until = table.optional_utc("until_utc");

@@ -19,9 +19,9 @@ namespace kasumi::report {
 struct HttpOptions {
   std::string address = "127.0.0.1";
   int port = 8750;
-  std::vector<std::string> names;    // of hosts by which peers may call it; numbers and localhost always
-  std::vector<TokenOptions> tokens;  // empty: readable by all that reach it
-  bool screen_picture = false;       // they may ask for a blurred picture of the screen
+  std::vector<std::string> names;   // of hosts by which peers may call it; numbers and localhost always
+  std::vector<AccessToken> tokens;  // empty: readable by all that reach it
+  bool screen_picture = false;      // they may ask for a blurred picture of the screen
 };
 
 struct TextfileOptions {

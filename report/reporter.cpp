@@ -33,7 +33,7 @@ Reporter::Reporter(ReportConfig config, Clock& clock)
     : config_(std::move(config)),
       clock_(clock),
       watch_(config_.status, clock),
-      tokens_(config_.http ? config_.http->tokens : std::vector<TokenOptions>(), clock) {}
+      tokens_(config_.http ? config_.http->tokens : std::vector<AccessToken>(), clock) {}
 
 Result<std::unique_ptr<Reporter>> Reporter::start(ReportConfig config, Clock& clock) {
   std::unique_ptr<Reporter> reporter(new Reporter(std::move(config), clock));

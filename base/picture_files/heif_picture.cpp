@@ -100,8 +100,8 @@ cv::Mat read_heif(std::span<const std::uint8_t> file) {
   return bgr;
 }
 
-PictureTags read_heif_tags(std::span<const std::uint8_t> file) {
-  PictureTags tags;
+EmbeddedTags read_heif_tags(std::span<const std::uint8_t> file) {
+  EmbeddedTags tags;
   try {
     const auto opened = open_heif(file);
     tags.profile = profile_of(opened.item.get());

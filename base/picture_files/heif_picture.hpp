@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/embedded_tags.hpp"
 
 namespace kasumi {
 
@@ -14,6 +14,6 @@ namespace kasumi {
 // more. Throws cv::Exception with what is wrong; of more light than a display's white (PQ, HLG) is none that is read.
 cv::Mat read_heif(std::span<const std::uint8_t> file);
 // Its profile, or one made of the primaries that it names; nothing where the file is damaged. It is turned already.
-PictureTags read_heif_tags(std::span<const std::uint8_t> file);
+EmbeddedTags read_heif_tags(std::span<const std::uint8_t> file);
 
 }  // namespace kasumi

@@ -69,7 +69,7 @@ class OpenCvFiles final : public RareFiles {
     return read_exr_channel(file, name);
   }
   cv::Mat decode_heif(std::span<const std::uint8_t> file) const override { return read_heif(file); }
-  PictureTags heif_tags(std::span<const std::uint8_t> file) const override { return read_heif_tags(file); }
+  EmbeddedTags heif_tags(std::span<const std::uint8_t> file) const override { return read_heif_tags(file); }
   std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const override {
     return profile_to_srgb(picture, profile);
   }

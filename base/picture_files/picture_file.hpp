@@ -31,14 +31,14 @@ Result<DecodedFile> decode_png(std::span<const std::uint8_t> file);
 Result<DecodedFile> decode_jpeg_file(std::span<const std::uint8_t> file);
 
 // What a PNG says beside its samples.
-struct PictureMarks {
+struct PngChunks {
   bool srgb = false;
   std::vector<std::uint8_t> exif;  // a TIFF of tags; empty: none
 };
 
 // Quickly rather than small: pictures are written while others wait. Errors: bad_input (no pixels), io.
-Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PictureMarks& marks = {});
-Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PictureMarks& marks = {});
+Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PngChunks& marks = {});
+Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PngChunks& marks = {});
 Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u8vec4>& picture);
 Result<std::vector<std::uint8_t>> encode_png(const Image<std::uint8_t>& grey);
 

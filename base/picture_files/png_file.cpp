@@ -149,7 +149,7 @@ class PngWriter {
   PngWriter& operator=(const PngWriter&) = delete;
   ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
 
-  Result<std::vector<std::uint8_t>> write(const PngSamples& picture, const PictureMarks& marks) {
+  Result<std::vector<std::uint8_t>> write(const PngSamples& picture, const PngChunks& marks) {
     if (picture.width < 1 || picture.height < 1) return fail(FaultKind::bad_input, "a picture without pixels");
     const auto samples = compressed(less_the_row_above(picture));
     if (samples.empty()) return fail(FaultKind::io, "the picture cannot be encoded as PNG: no memory");
@@ -159,7 +159,7 @@ class PngWriter {
   }
 
  private:
-  void write_chunks(const PngSamples& picture, const PictureMarks& marks, std::span<const std::uint8_t> samples) {
+  void write_chunks(const PngSamples& picture, const PngChunks& marks, std::span<const std::uint8_t> samples) {
     constexpr png_byte kSamples[] = "IDAT", kEnd[] = "IEND";
     png_set_write_fn(png_, &bytes_, append, nullptr);
     png_set_IHDR(png_, info_, static_cast<png_uint_32>(picture.width), static_cast<png_uint_32>(picture.height),
@@ -193,7 +193,7 @@ class PngWriter {
 
 template <class T>
 Result<std::vector<std::uint8_t>> encode_samples(const Image<T>& image, int colour, int bits,
-                                                 const PictureMarks& marks = {}) {
+                                                 const PngChunks& marks = {}) {
   const void* first = image.elements().data();
   PngSamples samples{image.width(),
                      image.height(),
@@ -217,11 +217,11 @@ Result<DecodedFile> decode_png(std::span<const std::uint8_t> file) {
   return reader.read();
 }
 
-Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PictureMarks& marks) {
+Result<std::vector<std::uint8_t>> encode_png(const Image<Rgb8>& picture, const PngChunks& marks) {
   return encode_samples(picture, PNG_COLOR_TYPE_RGB, 8, marks);
 }
 
-Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PictureMarks& marks) {
+Result<std::vector<std::uint8_t>> encode_png(const Image<glm::u16vec3>& picture, const PngChunks& marks) {
   return encode_samples(picture, PNG_COLOR_TYPE_RGB, 16, marks);
 }
 

@@ -11,7 +11,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/embedded_tags.hpp"
 #include "base/result.hpp"
 
 namespace kasumi {
@@ -42,7 +42,7 @@ class RareFiles {
   virtual cv::Mat exr_channel(std::span<const std::uint8_t> file, const std::string& name) const = 0;
   virtual cv::Mat decode_heif(std::span<const std::uint8_t> file) const = 0;
   // What stands beside its samples.
-  virtual PictureTags heif_tags(std::span<const std::uint8_t> file) const = 0;
+  virtual EmbeddedTags heif_tags(std::span<const std::uint8_t> file) const = 0;
   // From an ICC profile's colours to sRGB (colour_profile.hpp). What is wrong; empty: nothing.
   virtual std::string to_srgb(cv::Mat& picture, std::span<const std::uint8_t> profile) const = 0;
   // sRGB's, as ICC profile.

@@ -21,17 +21,17 @@ std::optional<Kind> named(const std::array<Kind, N>& all, std::string_view name)
 
 }  // namespace
 
-std::string_view name_of(SkyProjection projection) {
+std::string_view name_of(PanoramaProjection projection) {
   switch (projection) {
-    case SkyProjection::perspective: return "perspective";
-    case SkyProjection::fisheye: return "fisheye";
-    case SkyProjection::equirectangular: return "equirectangular";
+    case PanoramaProjection::perspective: return "perspective";
+    case PanoramaProjection::fisheye: return "fisheye";
+    case PanoramaProjection::equirectangular: return "equirectangular";
   }
   return "?";
 }
 
-std::optional<SkyProjection> sky_projection_named(std::string_view name) {
-  using enum SkyProjection;
+std::optional<PanoramaProjection> panorama_projection_named(std::string_view name) {
+  using enum PanoramaProjection;
   return named(std::array{perspective, fisheye, equirectangular}, name);
 }
 
@@ -50,35 +50,35 @@ std::optional<SkyKind> sky_kind_named(std::string_view name) {
   return named(std::array{dome, preetham1999, hoffman_preetham2002, nielsen2003}, name);
 }
 
-Direction direction_of(const SkyView& view, const glm::dvec2& pixel) {
+Direction direction_of(const PanoramaView& view, const glm::dvec2& pixel) {
   const glm::dvec2 place = pixel + 0.5 - 0.5 * glm::dvec2(view.width, view.height);
   switch (view.projection) {
-    case SkyProjection::perspective: return view.camera_to_world * sky_text::perspective_ray(place, view.focal_px);
-    case SkyProjection::fisheye: return view.camera_to_world * sky_text::fisheye_ray(place, view.focal_px);
-    case SkyProjection::equirectangular:
+    case PanoramaProjection::perspective: return view.camera_to_world * sky_text::perspective_ray(place, view.focal_px);
+    case PanoramaProjection::fisheye: return view.camera_to_world * sky_text::fisheye_ray(place, view.focal_px);
+    case PanoramaProjection::equirectangular:
       return view.camera_to_world * sky_text::equirectangular_ray(place, view.focal_px);
   }
   return {0.0, 0.0, 1.0};
 }
 
-double seen_share(const SkyView& view, const glm::dvec2& pixel) {
-  if (view.projection != SkyProjection::fisheye) return 1.0;
+double seen_share(const PanoramaView& view, const glm::dvec2& pixel) {
+  if (view.projection != PanoramaProjection::fisheye) return 1.0;
   const glm::dvec2 place = pixel + 0.5 - 0.5 * glm::dvec2(view.width, view.height);
   return std::clamp(0.5 * kPi * view.focal_px + 0.5 - glm::length(place), 0.0, 1.0);
 }
 
-std::optional<glm::dvec2> pixel_of(const SkyView& view, const Direction& direction) {
+std::optional<glm::dvec2> pixel_of(const PanoramaView& view, const Direction& direction) {
   const glm::dvec3 ray = glm::transpose(view.camera_to_world) * direction;
   glm::dvec2 place{0.0};
   switch (view.projection) {
-    case SkyProjection::perspective: {
+    case PanoramaProjection::perspective: {
       const glm::dvec3 deep = sky_text::perspective_place(ray, view.focal_px);
       if (deep.z <= 1e-9) return std::nullopt;
       place = glm::dvec2(deep) / deep.z;
       break;
     }
-    case SkyProjection::fisheye: place = sky_text::fisheye_place(ray, view.focal_px); break;
-    case SkyProjection::equirectangular: place = sky_text::equirectangular_place(ray, view.focal_px); break;
+    case PanoramaProjection::fisheye: place = sky_text::fisheye_place(ray, view.focal_px); break;
+    case PanoramaProjection::equirectangular: place = sky_text::equirectangular_place(ray, view.focal_px); break;
   }
   return place + 0.5 * glm::dvec2(view.width, view.height) - 0.5;
 }
@@ -100,7 +100,7 @@ sky_text::PathAir text_of(const AirCoefficients& air) {
   return text;
 }
 
-sky_text::AirBetween air_between(const SkyScene& scene) {
+sky_text::AirBetween air_between(const DomeScene& scene) {
   sky_text::AirBetween air{};
   air.lower = text_of(scene.lower);
   air.higher = text_of(scene.higher);
@@ -116,9 +116,10 @@ sky_text::AirBetween air_between(const SkyScene& scene) {
   return air;
 }
 
-SkyPainter::SkyPainter(const SkyScene& scene) : scene_(scene), sky_(text_of(scene.sky)), between_(air_between(scene)) {}
+DomePainter::DomePainter(const DomeScene& scene)
+    : scene_(scene), sky_(text_of(scene.sky)), between_(air_between(scene)) {}
 
-glm::dvec3 SkyPainter::sky(const Direction& view) const {
+glm::dvec3 DomePainter::sky(const Direction& view) const {
   const double cos_sun = glm::dot(view, scene_.sun);
   switch (scene_.kind) {
     case SkyKind::dome: return glm::dvec3(sky_text::dome_sky_light(sky_, view.z, cos_sun));
@@ -129,27 +130,27 @@ glm::dvec3 SkyPainter::sky(const Direction& view) const {
   return glm::dvec3(0.0);
 }
 
-SkyPainter::Disc SkyPainter::disc(const Direction& view, double pixel_rad) const {
+DomePainter::Disc DomePainter::disc(const Direction& view, double pixel_rad) const {
   if (scene_.sun_luminance == glm::dvec3(0.0)) return {};
   const double radius{kDomeSunRadius_rad};
   const double off = angle_between(view, scene_.sun).value / radius;
   return {sky_text::sun_disc_light(scene_.sun_luminance, off), sky_text::sun_coverage(off, 0.5 * pixel_rad / radius)};
 }
 
-glm::dvec3 SkyPainter::sky_and_sun(const Direction& view, double pixel_rad) const {
+glm::dvec3 DomePainter::sky_and_sun(const Direction& view, double pixel_rad) const {
   const Disc sun = disc(view, pixel_rad);
   return sky(view) + sun.coverage * sun.light;
 }
 
-glm::dvec3 SkyPainter::shown_sky_and_sun(const Direction& view, double pixel_rad) const {
+glm::dvec3 DomePainter::shown_sky_and_sun(const Direction& view, double pixel_rad) const {
   const Disc sun = disc(view, pixel_rad);
   const glm::dvec3 behind = sky(view);
   if (sun.coverage <= 0.0) return shown(behind, view);
   return glm::mix(shown(behind, view), shown(behind + sun.light, view), sun.coverage);
 }
 
-glm::dvec3 SkyPainter::land(const glm::dvec3& place, double land_altitude_m, const glm::dvec3& normal,
-                            const glm::dvec3& albedo) const {
+glm::dvec3 DomePainter::land(const glm::dvec3& place, double land_altitude_m, const glm::dvec3& normal,
+                             const glm::dvec3& albedo) const {
   const double way = sky_text::way_between_altitudes(land_altitude_m, scene_.lower_m, scene_.higher_m);
   const glm::dvec3 light = sky_text::land_light(albedo, glm::dot(normal, scene_.sun), normal.z,
                                                 glm::mix(scene_.land_lower.sun, scene_.land_higher.sun, way),
@@ -157,7 +158,7 @@ glm::dvec3 SkyPainter::land(const glm::dvec3& place, double land_altitude_m, con
   return through_air(light, place, land_altitude_m);
 }
 
-glm::dvec3 SkyPainter::through_air(const glm::dvec3& light, const glm::dvec3& place, double object_altitude_m) const {
+glm::dvec3 DomePainter::through_air(const glm::dvec3& light, const glm::dvec3& place, double object_altitude_m) const {
   if (!scene_.aerial_perspective) return light;
   const glm::dvec3 from_observer = place - glm::dvec3(0.0, 0.0, scene_.altitude_m);
   const double length_m = glm::length(from_observer);
@@ -173,11 +174,11 @@ glm::dvec3 SkyPainter::through_air(const glm::dvec3& light, const glm::dvec3& pl
   }
 }
 
-glm::dvec3 SkyPainter::shown(const glm::dvec3& light) const {
+glm::dvec3 DomePainter::shown(const glm::dvec3& light) const {
   return sky_text::srgb_encoded(sky_text::tone_mapped(light, scene_.exposure));
 }
 
-glm::dvec3 SkyPainter::shown(const glm::dvec3& light, const Direction& view) const {
+glm::dvec3 DomePainter::shown(const glm::dvec3& light, const Direction& view) const {
   return shown(light + sky_text::sun_glare(scene_.sun_luminance, glm::length(view - scene_.sun)));
 }
 

@@ -16,23 +16,23 @@
 
 namespace kasumi {
 
-enum class SkyProjection { perspective, fisheye, equirectangular };
-std::string_view name_of(SkyProjection projection);
-std::optional<SkyProjection> sky_projection_named(std::string_view name);
+enum class PanoramaProjection { perspective, fisheye, equirectangular };
+std::string_view name_of(PanoramaProjection projection);
+std::optional<PanoramaProjection> panorama_projection_named(std::string_view name);
 
 // The axis points at the picture's middle. fisheye: equidistant, out to 90 deg from the axis.
-struct SkyView {
-  SkyProjection projection = SkyProjection::perspective;
+struct PanoramaView {
+  PanoramaProjection projection = PanoramaProjection::perspective;
   int width = 0;
   int height = 0;
   double focal_px = 0.0;  // pixels per radian at the middle
   glm::dmat3 camera_to_world{1.0};
 };
-Direction direction_of(const SkyView& view, const glm::dvec2& pixel);
+Direction direction_of(const PanoramaView& view, const glm::dvec2& pixel);
 // The share of a pixel inside a fisheye's image circle; 1 for other projections.
-double seen_share(const SkyView& view, const glm::dvec2& pixel);
+double seen_share(const PanoramaView& view, const glm::dvec2& pixel);
 // Where a direction appears in the picture; empty behind a perspective camera.
-std::optional<glm::dvec2> pixel_of(const SkyView& view, const Direction& direction);
+std::optional<glm::dvec2> pixel_of(const PanoramaView& view, const Direction& direction);
 
 // dome: Kasumi's own model. The others are for comparison.
 enum class SkyKind { dome, preetham1999, hoffman_preetham2002, nielsen2003 };
@@ -46,7 +46,7 @@ struct LandLight {
 };
 
 // Light is linear sRGB, cd/m2.
-struct SkyScene {
+struct DomeScene {
   SkyKind kind = SkyKind::dome;
   double altitude_m = 0.0;  // of the observer
   Direction sun{0.0, 0.0, 1.0};
@@ -69,12 +69,12 @@ struct SkyScene {
 // The shader sources' own structures.
 sky_text::DomeSky text_of(const DomeFunction& sky);
 sky_text::PathAir text_of(const AirCoefficients& air);
-sky_text::AirBetween air_between(const SkyScene& scene);
+sky_text::AirBetween air_between(const DomeScene& scene);
 
 // The same scene, prepared for evaluating many directions.
-class SkyPainter {
+class DomePainter {
  public:
-  explicit SkyPainter(const SkyScene& scene);
+  explicit DomePainter(const DomeScene& scene);
   glm::dvec3 sky(const Direction& view) const;  // without the sun's disc
   // pixel_rad: a pixel's width there, for the edge of the disc.
   glm::dvec3 sky_and_sun(const Direction& view, double pixel_rad) const;
@@ -95,7 +95,7 @@ class SkyPainter {
   };
   Disc disc(const Direction& view, double pixel_rad) const;
 
-  SkyScene scene_;
+  DomeScene scene_;
   sky_text::DomeSky sky_;
   sky_text::AirBetween between_;
 };

@@ -75,7 +75,7 @@ struct Centred {
   Agreement agreement;
 };
 
-Centred centred(std::span<const SkyColour> colours, const DaylightResponse& daylight) {
+Centred centred(std::span<const DaylightColour> colours, const DaylightResponse& daylight) {
   Centred result;
   std::array<std::vector<double>, 2> raw;
   for (const auto& colour : colours) {
@@ -105,7 +105,8 @@ struct Information {
   Eigen::Matrix<double, 8, 1> pull = Eigen::Matrix<double, 8, 1>::Zero();
 };
 
-Information information_of(std::span<const SkyColour> colours, const DaylightResponse& daylight, const Centred& at) {
+Information information_of(std::span<const DaylightColour> colours, const DaylightResponse& daylight,
+                           const Centred& at) {
   int pictures = 0;
   for (const auto& colour : colours) pictures = std::max(pictures, colour.picture + 1);
   const double counts = std::min(1.0, kIndependentParts * pictures / static_cast<double>(colours.size()));
@@ -199,7 +200,7 @@ SpectralSensitivity sensitivity_of(const std::array<BandCurve, 3>& curves) {
 
 }  // namespace
 
-ColourResiduals explain(std::span<const SkyColour> colours, const SpectralSensitivity& sensitivity) {
+ColourResiduals explain(std::span<const DaylightColour> colours, const SpectralSensitivity& sensitivity) {
   const auto at = centred(colours, daylight_response_of(curves_of(sensitivity)));
   ColourResiduals result;
   result.left = at.left;
@@ -218,7 +219,7 @@ ColourResiduals explain(std::span<const SkyColour> colours, const SpectralSensit
   return result;
 }
 
-Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
+Result<SensitivityFit> fit_sensitivity(std::span<const DaylightColour> colours,
                                        std::span<const SpectralSensitivity> cameras) {
   Problems problems;
   if (cameras.size() < 2) problems.add("{} measured cameras: expected at least 2, better 4 and more", cameras.size());
@@ -280,10 +281,10 @@ Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
   return fit;
 }
 
-std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const SkyColour> colours,
-                               std::span<const glm::dvec2> left) {
+std::vector<DaylightColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const DaylightColour> colours,
+                                    std::span<const glm::dvec2> left) {
   const auto daylight = daylight_response_of(curves_of(sensitivity));
-  std::vector<SkyColour> result(colours.begin(), colours.end());
+  std::vector<DaylightColour> result(colours.begin(), colours.end());
   for (std::size_t i = 0; i < result.size(); ++i)
     result[i].log_ratio = log_ratios(daylight, result[i].spectrum) + (i < left.size() ? left[i] : glm::dvec2{0.0});
   return result;

@@ -16,7 +16,7 @@
 namespace kasumi {
 
 // One part of a clear sky: its spectrum, and the colour the camera measures.
-struct SkyColour {
+struct DaylightColour {
   DaylightWeights spectrum;  // S0 + m1 S1 + m2 S2, however bright
   glm::dvec2 log_ratio{};    // ln(red / green), ln(blue / green) of the camera's linear light; gains not removed
   int picture = 0;           // which of the pictures it was seen in
@@ -29,7 +29,7 @@ struct ColourResiduals {
   std::vector<glm::dvec2> left;   // log ratio, measured less modelled; one per colour
   std::vector<bool> used;         // of those that agree; one per colour
 };
-ColourResiduals explain(std::span<const SkyColour> colours, const SpectralSensitivity& sensitivity);
+ColourResiduals explain(std::span<const DaylightColour> colours, const SpectralSensitivity& sensitivity);
 
 // One channel's mean wavelength.
 struct ChannelPlace {
@@ -55,12 +55,12 @@ struct SensitivityFit {
 // colours it has.
 // Errors (bad_input): fewer than 2 cameras, a camera that cannot distinguish daylights, fewer than 8 colours.
 constexpr double kIndependentParts = 25.0;
-Result<SensitivityFit> fit_sensitivity(std::span<const SkyColour> colours,
+Result<SensitivityFit> fit_sensitivity(std::span<const DaylightColour> colours,
                                        std::span<const SpectralSensitivity> cameras);
 
 // The colours that a camera of this sensitivity would measure of the same skies, plus the sky's residuals `left`.
-std::vector<SkyColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const SkyColour> colours,
-                               std::span<const glm::dvec2> left);
+std::vector<DaylightColour> seen_by(const SpectralSensitivity& sensitivity, std::span<const DaylightColour> colours,
+                                    std::span<const glm::dvec2> left);
 
 // A CSV that read_spectral_sensitivity reads again; `comment` becomes its first lines.
 std::string csv_of(const SpectralSensitivity& sensitivity, const std::string& comment);

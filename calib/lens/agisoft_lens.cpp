@@ -87,7 +87,7 @@ Result<ForeignLens> read_agisoft_lens(const std::string& text) {
   const bool held = b2 == 0.0 && k4 == 0.0 && p3 == 0.0 && p4 == 0.0;
   if (kind == AgisoftKind::frame && held)
     lens.exact = LensDescription{
-        PinholeModel{{f + b1, f}, {0.5 * width - 0.5 + cx, 0.5 * height - 0.5 + cy}, {k1, k2, p2, p1, k3}}};
+        PinholeParameters{{f + b1, f}, {0.5 * width - 0.5 + cx, 0.5 * height - 0.5 + cy}, {k1, k2, p2, p1, k3}}};
   return lens;
 }
 

@@ -4,7 +4,7 @@
 
 namespace kasumi {
 
-Result<std::size_t> choose_camera(const std::vector<FileCamera>& cameras, const std::string& wanted) {
+Result<std::size_t> choose_camera(const std::vector<ListedLens>& cameras, const std::string& wanted) {
   if (wanted.empty() && cameras.size() == 1) return 0;
   std::string listed;
   for (std::size_t i = 0; i < cameras.size(); ++i) {

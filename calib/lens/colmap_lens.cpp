@@ -69,7 +69,7 @@ Result<ForeignLens> read_colmap_lens(const std::string& text, const ImportQuesti
                                                               {"RADIAL_FISHEYE", 5},
                                                               {"THIN_PRISM_FISHEYE", 12}};
   const auto lines = colmap_lines(text);
-  std::vector<FileCamera> cameras;
+  std::vector<ListedLens> cameras;
   for (const auto& line : lines)
     cameras.push_back({{line.id}, fmt::format("{}, {:g} x {:g}", line.model, line.numbers[0], line.numbers[1])});
   const auto chosen = choose_camera(cameras, questions.camera);

@@ -66,13 +66,13 @@ std::optional<LensDescription> fitted_pinhole(const std::vector<SeenDirection>& 
   }
   const Eigen::VectorXd k = equations.colPivHouseholderQr().solve(wanted);
   if (!k.allFinite()) return std::nullopt;
-  return LensDescription{PinholeModel{focal, centre, {k(0), k(1), k(2), k(3), k(4)}}};
+  return LensDescription{PinholeParameters{focal, centre, {k(0), k(1), k(2), k(3), k(4)}}};
 }
 
 // Scaramuzza's polynomial is linear in its coefficients: forward(rho) = rho / tan(theta).
 std::optional<LensDescription> fitted_polynomial(const std::vector<SeenDirection>& seen, const SensorMatrix& matrix,
                                                  int power, double largest_angle) {
-  ScaramuzzaModel model;
+  ScaramuzzaParameters model;
   model.centre = {matrix.cx, matrix.cy};
   model.e = matrix.skew / matrix.fx;
   model.c = matrix.fy / matrix.fx;
@@ -131,8 +131,8 @@ void set_pinhole(ForeignLens& lens, const SensorMatrix& matrix, const BrownCoeff
   };
   const bool plain = matrix.skew == 0.0 && std::all_of(k.begin() + 5, k.end(), [](double x) { return x == 0.0; });
   if (plain)
-    lens.exact =
-        LensDescription{PinholeModel{{matrix.fx, matrix.fy}, {matrix.cx, matrix.cy}, {k[0], k[1], k[2], k[3], k[4]}}};
+    lens.exact = LensDescription{
+        PinholeParameters{{matrix.fx, matrix.fy}, {matrix.cx, matrix.cy}, {k[0], k[1], k[2], k[3], k[4]}}};
 }
 
 void set_fisheye(ForeignLens& lens, const SensorMatrix& matrix, const std::array<double, 4>& k) {
@@ -146,7 +146,7 @@ void set_fisheye(ForeignLens& lens, const SensorMatrix& matrix, const std::array
     return matrix(glm::dvec2(ray) * (r / off));
   };
   if (matrix.skew == 0.0)
-    lens.exact = LensDescription{OpencvFisheyeModel{{matrix.fx, matrix.fy}, {matrix.cx, matrix.cy}, k}};
+    lens.exact = LensDescription{OpencvFisheyeParameters{{matrix.fx, matrix.fy}, {matrix.cx, matrix.cy}, k}};
 }
 
 void set_omnidirectional(ForeignLens& lens, const SensorMatrix& matrix, double xi, const BrownCoefficients& k) {

@@ -32,7 +32,7 @@ Result<ForeignLens> read_foreign(const std::string& text, const ImportQuestions&
 
 }  // namespace
 
-Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportOptions& options) {
+Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportRequest& options) {
   const auto name = path.string();
   const auto text = read_text_file(path);
   if (!text) return fail(text.error());
@@ -68,7 +68,7 @@ Result<ImportedLens> import_lens(const std::filesystem::path& path, const Import
   }
   const auto held = hold(*foreign, largest, options.model);
   if (!held) return fail(held.error().kind, "{}: {}", name, held.error().message);
-  if (options.largest_angle && std::holds_alternative<PinholeModel>(held->lens.model))
+  if (options.largest_angle && std::holds_alternative<PinholeParameters>(held->lens.model))
     return fail(FaultKind::bad_input, "--largest-angle-deg: {} is a pinhole, which has no such angle", name);
   ImportedLens imported;
   imported.lens = held->lens;

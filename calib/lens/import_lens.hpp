@@ -20,7 +20,7 @@ struct ImportedLens {
   std::optional<double> rms_px;  // as that program reported it
 };
 
-struct ImportOptions {
+struct ImportRequest {
   std::string model = "auto";              // one of our models' names; it decides where the file leaves it open
   std::optional<Radians> largest_angle{};  // of a fisheye
   std::string camera{};  // of several: COLMAP's number, Kalibr's name, topic or number; empty: the only one
@@ -31,6 +31,6 @@ struct ImportOptions {
 // Hugin's .pto. Errors (bad_input): everything wrong with it; a number whose meaning is not known; a model that no lens
 // model of Kasumi follows within .1 px; several cameras and none is chosen, with a list of them; `model`,
 // `largest_angle` or `camera` without effect.
-Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportOptions& options = {});
+Result<ImportedLens> import_lens(const std::filesystem::path& path, const ImportRequest& options = {});
 
 }  // namespace kasumi

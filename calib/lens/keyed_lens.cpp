@@ -14,7 +14,7 @@
 namespace kasumi {
 namespace {
 
-enum class NamedModel {
+enum class NamedProjection {
   unknown,
   brown,
   rational,
@@ -26,7 +26,7 @@ enum class NamedModel {
   none
 };
 
-NamedModel model_named(std::string name) {
+NamedProjection model_named(std::string name) {
   std::erase_if(name, [](unsigned char c) { return !std::isalnum(c); });
   std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   const auto is = [&](std::initializer_list<const char*> names) {
@@ -34,17 +34,18 @@ NamedModel model_named(std::string name) {
   };
   if (is({"plumbbob", "radtan", "brown", "brownconrady", "pinhole", "perspective", "radialtangential", "opencv",
           "standard"}))
-    return NamedModel::brown;
-  if (is({"rationalpolynomial", "rational", "fullopencv", "thinprism"})) return NamedModel::rational;
+    return NamedProjection::brown;
+  if (is({"rationalpolynomial", "rational", "fullopencv", "thinprism"})) return NamedProjection::rational;
   if (is({"fisheye", "opencvfisheye", "equidistant", "equi", "kannalabrandt", "kannalabrandt4", "kannalabrandt8", "kb4",
           "kb8", "kb"}))
-    return NamedModel::fisheye;
-  if (is({"omnidir", "omni", "omnidirectional", "mei", "unified", "catadioptric"})) return NamedModel::omnidirectional;
-  if (is({"ds", "doublesphere"})) return NamedModel::double_sphere;
-  if (is({"eucm", "extendedunified"})) return NamedModel::extended_unified;
-  if (is({"fov", "atan"})) return NamedModel::field_of_view;
-  if (is({"none", "nodistortion", "rectified"})) return NamedModel::none;
-  return NamedModel::unknown;
+    return NamedProjection::fisheye;
+  if (is({"omnidir", "omni", "omnidirectional", "mei", "unified", "catadioptric"}))
+    return NamedProjection::omnidirectional;
+  if (is({"ds", "doublesphere"})) return NamedProjection::double_sphere;
+  if (is({"eucm", "extendedunified"})) return NamedProjection::extended_unified;
+  if (is({"fov", "atan"})) return NamedProjection::field_of_view;
+  if (is({"none", "nodistortion", "rectified"})) return NamedProjection::none;
+  return NamedProjection::unknown;
 }
 
 // Keys of results and settings that say nothing of where light falls.
@@ -206,13 +207,13 @@ void set_extended_unified(ForeignLens& lens, const SensorMatrix& matrix, double 
 }
 
 // Of a camchain: cam0, cam1, ...
-std::vector<FileCamera> kalibr_cameras(const KeyFile& file) {
-  std::vector<FileCamera> cameras;
+std::vector<ListedLens> kalibr_cameras(const KeyFile& file) {
+  std::vector<ListedLens> cameras;
   for (std::string name = "cam0"; file.has(name + ".intrinsics"); name = fmt::format("cam{}", cameras.size())) {
     const auto camera = file.text({"camera_model"}, name + ".").value_or(""),
                bent = file.text({"distortion_model"}, name + ".").value_or("none"),
                topic = file.text({"rostopic"}, name + ".").value_or("");
-    FileCamera found{{name, name.substr(3)}, fmt::format("{}-{}", camera, bent)};
+    ListedLens found{{name, name.substr(3)}, fmt::format("{}-{}", camera, bent)};
     if (!topic.empty()) {
       found.names.push_back(topic);
       found.words += ", " + topic;
@@ -237,25 +238,25 @@ Result<ForeignLens> read_kalibr(const KeyFile& file, const std::string& wanted) 
   auto d = file.numbers({"distortion_coeffs"}, at);
   lens.model = camera + "-" + bent;
   const auto camera_model = model_named(camera), distortion = model_named(bent);
-  const std::size_t extra = camera_model == NamedModel::omnidirectional ? 1
-                            : camera_model == NamedModel::double_sphere || camera_model == NamedModel::extended_unified
-                                ? 2
-                                : 0;
-  if (camera_model == NamedModel::unknown)
+  const std::size_t extra =
+      camera_model == NamedProjection::omnidirectional                                                      ? 1
+      : camera_model == NamedProjection::double_sphere || camera_model == NamedProjection::extended_unified ? 2
+                                                                                                            : 0;
+  if (camera_model == NamedProjection::unknown)
     problems.add("camera_model \"{}\": expected pinhole, omni, ds or eucm", camera);
-  if (distortion == NamedModel::unknown)
+  if (distortion == NamedProjection::unknown)
     problems.add("distortion_model \"{}\": expected radtan, equidistant, fov or none", bent);
   if (n.size() != 4 + extra || n[extra] < 1.0 || n[extra + 1] < 1.0)
     problems.add("intrinsics: {} numbers: expected {} of {}", n.size(), 4 + extra, camera);
-  const bool brown = distortion == NamedModel::brown || distortion == NamedModel::none;
+  const bool brown = distortion == NamedProjection::brown || distortion == NamedProjection::none;
   if (extra > 0 && !(brown && (extra == 1 || std::ranges::all_of(d, [](double x) { return x == 0.0; }))))
     problems.add("distortion_model \"{}\" of {}: expected {}", bent, camera, extra == 1 ? "radtan or none" : "none");
-  if (distortion == NamedModel::field_of_view && (d.size() != 1 || !(d[0] > 0.0 && d[0] < 3.0)))
+  if (distortion == NamedProjection::field_of_view && (d.size() != 1 || !(d[0] > 0.0 && d[0] < 3.0)))
     problems.add("distortion_coeffs: expected one number of fov, 0 to 3");
-  if ((distortion == NamedModel::fisheye || distortion == NamedModel::brown) && d.size() != 4)
+  if ((distortion == NamedProjection::fisheye || distortion == NamedProjection::brown) && d.size() != 4)
     problems.add("distortion_coeffs: {} numbers, expected 4", d.size());
   const auto of_another = [&](const std::string& key) {
-    return std::ranges::any_of(cameras, [&](const FileCamera& other) {
+    return std::ranges::any_of(cameras, [&](const ListedLens& other) {
       const auto its = other.names.front() + ".";
       return its != at && key.starts_with(its);
     });
@@ -265,13 +266,13 @@ Result<ForeignLens> read_kalibr(const KeyFile& file, const std::string& wanted) 
   if (!problems.empty()) return fail(problems.fault());
   const SensorMatrix matrix{n[extra], n[extra + 1], n[extra + 2], n[extra + 3], 0.0};
   switch (camera_model) {
-    case NamedModel::omnidirectional: set_omnidirectional(lens, matrix, n[0], brown_of(d)); break;
-    case NamedModel::double_sphere: set_double_sphere(lens, matrix, n[0], n[1]); break;
-    case NamedModel::extended_unified: set_extended_unified(lens, matrix, n[0], n[1]); break;
+    case NamedProjection::omnidirectional: set_omnidirectional(lens, matrix, n[0], brown_of(d)); break;
+    case NamedProjection::double_sphere: set_double_sphere(lens, matrix, n[0], n[1]); break;
+    case NamedProjection::extended_unified: set_extended_unified(lens, matrix, n[0], n[1]); break;
     default:
-      if (distortion == NamedModel::fisheye)
+      if (distortion == NamedProjection::fisheye)
         set_fisheye(lens, matrix, {d[0], d[1], d[2], d[3]});
-      else if (distortion == NamedModel::field_of_view)
+      else if (distortion == NamedProjection::field_of_view)
         set_field_of_view(lens, matrix, d[0]);
       else
         set_pinhole(lens, matrix, brown_of(d));
@@ -285,33 +286,33 @@ std::string program_of(const KeyFile& file) {
 }
 
 // By the file's word for its model, by xi, or by `--model`.
-NamedModel model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, const ImportQuestions& questions,
-                    std::string& name, Problems& problems) {
+NamedProjection model_of(const KeyFile& file, std::size_t coefficients, bool has_xi, const ImportQuestions& questions,
+                         std::string& name, Problems& problems) {
   const auto word = file.text({"distortion_model", "camera_model", "cameraModel", "Camera.type", "camera_type",
                                "model_type", "projection_model", "lens_model", "model"});
   const bool flagged = file.number({"fisheye_model"}).value_or(0.0) != 0.0;
   name = word.value_or(flagged ? "fisheye" : has_xi ? "omnidir" : "");
-  if (has_xi) return NamedModel::omnidirectional;
-  if (flagged) return NamedModel::fisheye;
+  if (has_xi) return NamedProjection::omnidirectional;
+  if (flagged) return NamedProjection::fisheye;
   if (word) {
     const auto model = model_named(*word);
-    if (model == NamedModel::unknown || model == NamedModel::double_sphere || model == NamedModel::extended_unified ||
-        model == NamedModel::field_of_view)
+    if (model == NamedProjection::unknown || model == NamedProjection::double_sphere ||
+        model == NamedProjection::extended_unified || model == NamedProjection::field_of_view)
       problems.add(
           "model \"{}\": expected plumb_bob, rational_polynomial, pinhole; fisheye, equidistant, KannalaBrandt8; "
           "or omnidir with xi",
           *word);
     return model;
   }
-  if (coefficients != 4 || file.has("fisheye_model")) return NamedModel::brown;
+  if (coefficients != 4 || file.has("fisheye_model")) return NamedProjection::brown;
   if (questions.model == "opencv_fisheye" || questions.model == "pinhole") {
     name = questions.model;
-    return questions.model == "pinhole" ? NamedModel::brown : NamedModel::fisheye;
+    return questions.model == "pinhole" ? NamedProjection::brown : NamedProjection::fisheye;
   }
   problems.add(
       "four distortion coefficients may be a pinhole's k1, k2, p1, p2 or a fisheye's k1, k2, k3, k4: expected "
       "--model pinhole or --model opencv_fisheye");
-  return NamedModel::unknown;
+  return NamedProjection::unknown;
 }
 
 }  // namespace
@@ -339,16 +340,16 @@ Result<ForeignLens> read_keyed_lens(const std::string& text, const ImportQuestio
   constexpr std::array<std::size_t, 5> kCounts{4, 5, 8, 12, 14};
   const bool sound_count = std::ranges::find(kCounts, distortion.size()) != kCounts.end();
   const std::size_t given = distortion.size();
-  while (model != NamedModel::fisheye && distortion.size() > 5 && distortion.back() == 0.0) distortion.pop_back();
+  while (model != NamedProjection::fisheye && distortion.size() > 5 && distortion.back() == 0.0) distortion.pop_back();
   const auto count = distortion.size();
-  if (model == NamedModel::fisheye && count != 4)
+  if (model == NamedProjection::fisheye && count != 4)
     problems.add("distortion_coefficients: {} numbers, expected the fisheye's 4: k1, k2, k3, k4", count);
-  if ((model == NamedModel::brown || model == NamedModel::rational) && (!sound_count || count > 12))
+  if ((model == NamedProjection::brown || model == NamedProjection::rational) && (!sound_count || count > 12))
     problems.add(
         "distortion_coefficients: {} numbers: expected 4, 5, 8 or 12 (k1, k2, p1, p2, k3, and those of the "
         "rational and thin prism models; a tilted sensor is not held)",
         given);
-  if (model == NamedModel::omnidirectional && (!xi || !(*xi >= 0.0) || count > 5))
+  if (model == NamedProjection::omnidirectional && (!xi || !(*xi >= 0.0) || count > 5))
     problems.add("xi, distortion_coefficients: expected omnidir's xi >= 0 and k1, k2, p1, p2");
   read_size(*file, kNone, lens, problems);
   check_whole_pictures(*file, lens, problems);
@@ -360,9 +361,9 @@ Result<ForeignLens> read_keyed_lens(const std::string& text, const ImportQuestio
         "and size, for it may move pixels",
         key);
   if (!problems.empty()) return fail(problems.fault());
-  if (model == NamedModel::fisheye)
+  if (model == NamedProjection::fisheye)
     set_fisheye(lens, *matrix, {distortion[0], distortion[1], distortion[2], distortion[3]});
-  else if (model == NamedModel::omnidirectional)
+  else if (model == NamedProjection::omnidirectional)
     set_omnidirectional(lens, *matrix, *xi, brown_of(distortion));
   else
     set_pinhole(lens, *matrix, brown_of(distortion));

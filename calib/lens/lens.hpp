@@ -41,26 +41,26 @@ LensPtr mirrored_lens(LensPtr lens);
 LensPtr opencv_fisheye_lens(glm::dvec2 focal_px, glm::dvec2 centre, std::array<double, 4> k, Radians largest_angle);
 // Scaramuzza's (OCamCalib's) model, in OCamCalib's own terms: from the centre a pixel lies c v + d u rows down and
 // e v + u columns right, and sees (right, down, forward) = (u, v, -(a0 + a1 rho + a2 rho^2 + ...)), rho = |(u, v)|.
-struct ScaramuzzaModel {
+struct ScaramuzzaParameters {
   std::vector<double> polynomial;  // a0, a1, a2, ... in pixels; a0 < 0, for OCamCalib's z axis points into the camera
   glm::dvec2 centre{};             // column, row; the centre of the top left pixel is (0, 0)
   double c = 1.0, d = 0.0, e = 0.0;
   int width = 0, height = 0;  // of the calibration's pictures; 0: not known
 };
-LensPtr scaramuzza_lens(ScaramuzzaModel model, Radians largest_angle);
+LensPtr scaramuzza_lens(ScaramuzzaParameters model, Radians largest_angle);
 
 // Pinhole with Brown's radial and tangential distortion, as OpenCV orders it: k1 k2 p1 p2 k3.
-struct PinholeModel {
+struct PinholeParameters {
   glm::dvec2 focal_px{};
   glm::dvec2 centre{};
   std::array<double, 5> distortion{};
 };
-LensPtr pinhole_lens(const PinholeModel& model);
+LensPtr pinhole_lens(const PinholeParameters& model);
 // The model behind a pinhole lens, for the renderer's projection; empty for every other lens.
-std::optional<PinholeModel> pinhole_model(const Lens& lens);
+std::optional<PinholeParameters> pinhole_model(const Lens& lens);
 
 // The text file OCamCalib exports (calib_results.txt). Its inverse polynomial is ignored: it is an approximation.
-Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path);
+Result<ScaramuzzaParameters> read_ocamcalib(const std::filesystem::path& path);
 
 // [lens] of a camera. Problems are recorded in the table; the result is then some valid lens, so that reading can go
 // on. Keys by model (docs/cameras.md), fisheyes also largest_angle_deg (default 90, or fov_deg / 2)

@@ -168,7 +168,7 @@ BoardCoverage coverage_of(const CleanFit& clean, int width, int height) {
 }  // namespace
 
 Result<LensCalibration> calibrate_lens(std::vector<BoardView> views, int width, int height,
-                                       const LensCalibrationOptions& options) {
+                                       const LensCalibrationRequest& options) {
   if (views.size() < kFewestViews)
     return fail(FaultKind::bad_input, "the board was found in {} pictures: expected at least {}", views.size(),
                 kFewestViews);

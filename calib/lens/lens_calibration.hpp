@@ -35,7 +35,7 @@ struct LensCalibration {
   BoardCoverage coverage;
 };
 
-struct LensCalibrationOptions {
+struct LensCalibrationRequest {
   std::optional<LensFamily> family{};      // empty: chosen by cross-validation
   std::optional<Radians> largest_angle{};  // empty: the farthest corner's and 5 deg more
   int folds = 5;
@@ -48,6 +48,6 @@ constexpr std::size_t kFewestViews = 4;
 // them. Of models within 2 % of the best held-out error, the first in kLensFamilies is chosen. Errors (bad_input): too
 // few views; no model fits.
 Result<LensCalibration> calibrate_lens(std::vector<BoardView> views, int width, int height,
-                                       const LensCalibrationOptions& options = {});
+                                       const LensCalibrationRequest& options = {});
 
 }  // namespace kasumi

@@ -11,19 +11,19 @@
 namespace kasumi {
 
 // r = f theta, or r = 2 f sin(theta / 2)
-struct IdealFisheyeModel {
+struct IdealFisheyeParameters {
   glm::dvec2 centre{};
   double focal_px = 1.0;
   bool equisolid = false;
 };
-struct OpencvFisheyeModel {
+struct OpencvFisheyeParameters {
   glm::dvec2 focal_px{1.0};
   glm::dvec2 centre{};
   std::array<double, 4> k{};
 };
 
 struct LensDescription {
-  std::variant<IdealFisheyeModel, OpencvFisheyeModel, ScaramuzzaModel, PinholeModel> model;
+  std::variant<IdealFisheyeParameters, OpencvFisheyeParameters, ScaramuzzaParameters, PinholeParameters> model;
   Radians largest_angle = from_degrees(90.0);  // without meaning for a pinhole
   bool mirrored = false;                       // fisheyes: the picture is turned over, left to right
 };

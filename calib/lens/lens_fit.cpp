@@ -100,9 +100,9 @@ std::vector<double> first_parameters(LensFamily family, double focal_px, int wid
 LensDescription description_of(LensFamily family, const double* p, Radians largest_angle) {
   switch (family) {
     case LensFamily::opencv_fisheye:
-      return {OpencvFisheyeModel{{p[0], p[1]}, {p[2], p[3]}, {p[4], p[5], p[6], p[7]}}, largest_angle};
+      return {OpencvFisheyeParameters{{p[0], p[1]}, {p[2], p[3]}, {p[4], p[5], p[6], p[7]}}, largest_angle};
     case LensFamily::scaramuzza: {
-      ScaramuzzaModel model;
+      ScaramuzzaParameters model;
       const double f = p[0];
       model.polynomial = {-f, 0.0, -p[1] / f, -p[2] / (f * f), -p[3] / (f * f * f)};
       model.centre = {p[4], p[5]};
@@ -111,16 +111,16 @@ LensDescription description_of(LensFamily family, const double* p, Radians large
       return {model, largest_angle};
     }
     case LensFamily::pinhole:
-      return {PinholeModel{{p[0], p[1]}, {p[2], p[3]}, {p[4], p[5], p[6], p[7], p[8]}}, largest_angle};
+      return {PinholeParameters{{p[0], p[1]}, {p[2], p[3]}, {p[4], p[5], p[6], p[7], p[8]}}, largest_angle};
   }
   return {};
 }
 
 // The inverse, for poses of views that were not fitted.
 std::vector<double> parameters_of(const LensDescription& lens) {
-  if (const auto* m = std::get_if<OpencvFisheyeModel>(&lens.model))
+  if (const auto* m = std::get_if<OpencvFisheyeParameters>(&lens.model))
     return {m->focal_px.x, m->focal_px.y, m->centre.x, m->centre.y, m->k[0], m->k[1], m->k[2], m->k[3]};
-  if (const auto* m = std::get_if<ScaramuzzaModel>(&lens.model)) {
+  if (const auto* m = std::get_if<ScaramuzzaParameters>(&lens.model)) {
     if (m->polynomial.size() != 5 || m->e != 0.0) return {};
     const double f = -m->polynomial[0];
     return {f,
@@ -132,7 +132,7 @@ std::vector<double> parameters_of(const LensDescription& lens) {
             m->c,
             m->d};
   }
-  if (const auto* m = std::get_if<PinholeModel>(&lens.model)) {
+  if (const auto* m = std::get_if<PinholeParameters>(&lens.model)) {
     const auto& k = m->distortion;
     return {m->focal_px.x, m->focal_px.y, m->centre.x, m->centre.y, k[0], k[1], k[2], k[3], k[4]};
   }
@@ -302,9 +302,9 @@ std::optional<ViewResiduals> residuals_of(const LensDescription& lens, const Boa
   wide.largest_angle = from_degrees(170.0);  // the model is asked beyond the corners it was fitted to
   auto parameters = parameters_of(lens);
   if (parameters.empty()) return std::nullopt;
-  if (std::holds_alternative<OpencvFisheyeModel>(lens.model))
+  if (std::holds_alternative<OpencvFisheyeParameters>(lens.model))
     return refine_pose<FisheyeProjection>(wide, std::move(parameters), view);
-  if (std::holds_alternative<ScaramuzzaModel>(lens.model))
+  if (std::holds_alternative<ScaramuzzaParameters>(lens.model))
     return refine_pose<ScaramuzzaProjection>(wide, std::move(parameters), view);
   return refine_pose<PinholeProjection>(wide, std::move(parameters), view);
 }

@@ -28,7 +28,7 @@ std::vector<std::vector<double>> number_lines(const std::string& text, Problems&
 
 }  // namespace
 
-Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path) {
+Result<ScaramuzzaParameters> read_ocamcalib(const std::filesystem::path& path) {
   const auto text = read_text_file(path);
   if (!text) return fail(text.error());
 
@@ -62,7 +62,7 @@ Result<ScaramuzzaModel> read_ocamcalib(const std::filesystem::path& path) {
     return fail(named.fault());
   }
 
-  ScaramuzzaModel model;
+  ScaramuzzaParameters model;
   model.polynomial.assign(lines[0].begin() + 1, lines[0].end());
   model.centre = {lines[2][1], lines[2][0]};
   model.c = lines[3][0];

@@ -58,12 +58,12 @@ double reach(const BrownDistortion& brown) {
 
 class PinholeLens final : public Lens {
  public:
-  explicit PinholeLens(const PinholeModel& model)
+  explicit PinholeLens(const PinholeParameters& model)
       : model_(model),
         brown_{model.distortion[0], model.distortion[1], model.distortion[2], model.distortion[3], model.distortion[4]},
         reach_(reach(brown_)) {}
   std::string_view name() const override { return "pinhole"; }
-  const PinholeModel& model() const { return model_; }
+  const PinholeParameters& model() const { return model_; }
 
   std::optional<glm::dvec2> project(const glm::dvec3& ray) const override {
     if (!(ray.z > 0.0)) return std::nullopt;
@@ -102,18 +102,18 @@ class PinholeLens final : public Lens {
     return point;
   }
 
-  PinholeModel model_;
+  PinholeParameters model_;
   BrownDistortion brown_;
   double reach_;
 };
 
 }  // namespace
 
-LensPtr pinhole_lens(const PinholeModel& model) {
+LensPtr pinhole_lens(const PinholeParameters& model) {
   return std::make_shared<PinholeLens>(model);
 }
 
-std::optional<PinholeModel> pinhole_model(const Lens& lens) {
+std::optional<PinholeParameters> pinhole_model(const Lens& lens) {
   const auto* pinhole = dynamic_cast<const PinholeLens*>(&lens);
   if (!pinhole) return std::nullopt;
   return pinhole->model();

@@ -30,7 +30,7 @@ LensDescription read_ideal_fisheye(const ConfigTable& table, bool equisolid) {
   const bool by_circle = table.has("fov_deg") || table.has("circle_px");
   if (!by_circle) {
     const double focal_px = table.number("focal_px", kFocal_px);
-    return {IdealFisheyeModel{read_centre(table), focal_px, equisolid}, read_largest_angle(table)};
+    return {IdealFisheyeParameters{read_centre(table), focal_px, equisolid}, read_largest_angle(table)};
   }
   const char* either = "either focal_px and centre_px or fov_deg and circle_px, not both";
   if (table.has("focal_px") && table.number("focal_px") != 0.0) table.problem("focal_px", either);
@@ -41,18 +41,19 @@ LensDescription read_ideal_fisheye(const ConfigTable& table, bool equisolid) {
   circle[2] = std::max(circle[2], 1.0);
   const double edge = from_degrees(0.5 * fov_deg).value;
   const double focal_px = circle[2] / (equisolid ? 2.0 * std::sin(0.5 * edge) : edge);
-  return {IdealFisheyeModel{{circle[0], circle[1]}, focal_px, equisolid}, read_largest_angle(table, 0.5 * fov_deg)};
+  return {IdealFisheyeParameters{{circle[0], circle[1]}, focal_px, equisolid},
+          read_largest_angle(table, 0.5 * fov_deg)};
 }
 
 LensDescription read_opencv_fisheye(const ConfigTable& table) {
   const auto focal = read_focal_pair(table);
   const auto centre = read_centre(table);
   const auto k = table.numbers("k", 4, {-1e3, 1e3});
-  return {OpencvFisheyeModel{focal, centre, {k[0], k[1], k[2], k[3]}}, read_largest_angle(table)};
+  return {OpencvFisheyeParameters{focal, centre, {k[0], k[1], k[2], k[3]}}, read_largest_angle(table)};
 }
 
-ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
-  const ScaramuzzaModel some_valid_one{{-500.0, 0.0, 1e-3}, {}, 1.0, 0.0, 0.0, 0, 0};
+ScaramuzzaParameters read_scaramuzza_model(const ConfigTable& table) {
+  const ScaramuzzaParameters some_valid_one{{-500.0, 0.0, 1e-3}, {}, 1.0, 0.0, 0.0, 0, 0};
   if (const auto path = table.optional_file("ocamcalib")) {
     for (const char* key : {"polynomial", "centre_px", "affine"})
       if (table.has(key) && !table.numbers(key, 0).empty())
@@ -64,7 +65,7 @@ ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
       table.problem("ocamcalib", fmt::format("a calibration exported by OCamCalib ({})", model.error().message));
     return model.value_or(some_valid_one);
   }
-  ScaramuzzaModel model = some_valid_one;
+  ScaramuzzaParameters model = some_valid_one;
   const auto polynomial = table.numbers("polynomial", 0);
   if (polynomial.size() >= 2 && polynomial.size() <= 20 && polynomial[0] < 0.0)
     model.polynomial = polynomial;
@@ -85,7 +86,7 @@ ScaramuzzaModel read_scaramuzza_model(const ConfigTable& table) {
 }
 
 LensDescription read_pinhole(const ConfigTable& table) {
-  PinholeModel model{read_focal_pair(table), read_centre(table), {}};
+  PinholeParameters model{read_focal_pair(table), read_centre(table), {}};
   const std::vector<double> none(5, 0.0);
   const auto distortion = table.numbers("distortion", 0, {-1e4, 1e4}, none);
   if (distortion.size() == 4 || distortion.size() == 5)

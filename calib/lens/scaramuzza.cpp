@@ -45,7 +45,7 @@ Reach reach(const AngleOfRadius& angle, double largest_angle) {
 
 class ScaramuzzaLens final : public FisheyeLens {
  public:
-  ScaramuzzaLens(const ScaramuzzaModel& model, AngleOfRadius angle, Reach reach)
+  ScaramuzzaLens(const ScaramuzzaParameters& model, AngleOfRadius angle, Reach reach)
       : FisheyeLens(model.centre, {1.0, model.d, model.e, model.c}, reach.angle, reach.radius),
         angle_(std::move(angle)),
         largest_radius_(reach.radius) {}
@@ -61,7 +61,7 @@ class ScaramuzzaLens final : public FisheyeLens {
 
 }  // namespace
 
-LensPtr scaramuzza_lens(ScaramuzzaModel model, Radians largest_angle) {
+LensPtr scaramuzza_lens(ScaramuzzaParameters model, Radians largest_angle) {
   AngleOfRadius angle(model.polynomial);
   const auto end = reach(angle, largest_angle.value);
   return std::make_shared<ScaramuzzaLens>(model, std::move(angle), end);

@@ -51,7 +51,7 @@ struct Agreement {
   int best_of = 0;  // pictures whose best circle it is
 };
 
-Agreement agreement_on(const ImageCircle& circle, const std::vector<PictureCircle>& all, const Pictures& among) {
+Agreement agreement_on(const ImageCircle& circle, const std::vector<SizedCircle>& all, const Pictures& among) {
   Agreement agreement{circle};
   std::vector<std::pair<double, double>> x, y, r, sigma;
   for (const std::size_t i : among)
@@ -74,7 +74,7 @@ Agreement agreement_on(const ImageCircle& circle, const std::vector<PictureCircl
 }
 
 // Circles that are the best of at least two pictures, the one of most first.
-std::vector<Agreement> agreements_of(const std::vector<PictureCircle>& all, const Pictures& among) {
+std::vector<Agreement> agreements_of(const std::vector<SizedCircle>& all, const Pictures& among) {
   constexpr std::size_t kMostAsked = 60;  // of many pictures a few name every circle there is
   std::vector<Agreement> found;
   const std::size_t step = std::max<std::size_t>(1, among.size() / kMostAsked);
@@ -105,7 +105,7 @@ const Agreement* agreement_for(const FoundCircle& found, const std::vector<Agree
 }
 
 // Pictures of one size and shape of pixels.
-void settle(const std::vector<PictureCircle>& all, const Pictures& with, const Pictures& without,
+void settle(const std::vector<SizedCircle>& all, const Pictures& with, const Pictures& without,
             std::vector<std::optional<FoundCircle>>& circles) {
   const auto agreements = agreements_of(all, with);
   Pictures open = without;
@@ -124,7 +124,7 @@ void settle(const std::vector<PictureCircle>& all, const Pictures& with, const P
 
 }  // namespace
 
-std::vector<std::optional<FoundCircle>> circles_of_fixed_cameras(const std::vector<PictureCircle>& pictures) {
+std::vector<std::optional<FoundCircle>> circles_of_fixed_cameras(const std::vector<SizedCircle>& pictures) {
   std::vector<std::optional<FoundCircle>> circles;
   std::map<std::pair<int, int>, std::pair<Pictures, Pictures>> by_size;  // with and without a circle
   for (std::size_t i = 0; i < pictures.size(); ++i) {

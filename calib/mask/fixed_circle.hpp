@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-struct PictureCircle {
+struct SizedCircle {
   int width = 0;  // of the picture
   int height = 0;
   std::optional<FoundCircle> found;
@@ -18,6 +18,6 @@ struct PictureCircle {
 // all pictures that see it get their median, and so do those in which nothing certain was found if there is only one
 // such circle. A picture that is sure of quite another circle keeps it: another camera, or a crop that moved. Pictures
 // of different cameras may be mixed. `confidence` is that of the circle given.
-std::vector<std::optional<FoundCircle>> circles_of_fixed_cameras(const std::vector<PictureCircle>& pictures);
+std::vector<std::optional<FoundCircle>> circles_of_fixed_cameras(const std::vector<SizedCircle>& pictures);
 
 }  // namespace kasumi

@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/seen_picture.hpp"
+#include "base/picture_files/upright_picture.hpp"
 #include "base/picture_header.hpp"
 #include "base/table/config_table.hpp"
 #include "calib/mask/scene_mask.hpp"
@@ -21,7 +21,7 @@ Result<Image<Stroke>> read_picture(const std::filesystem::path& path, int width,
   if (header && !header->is(width, height) && !header->is(height, width))
     return fail(FaultKind::bad_input, "{}: {} x {}, expected {} x {} like the picture the strokes are for",
                 path.string(), header->width, header->height, width, height);
-  const auto read = header ? decode_seen_picture(*header, *bytes) : Result<SeenPicture>();
+  const auto read = header ? decode_upright_picture(*header, *bytes) : Result<UprightPicture>();
   if (!read && read.error().kind == FaultKind::unsupported)
     return fail(read.error().kind, "{}: {}", path.string(), read.error().message);
   const cv::Mat rgba = read ? read->picture : cv::Mat();

@@ -40,10 +40,10 @@ cv::Mat2f steepest_slopes(const cv::Mat3f& tones) {
 
 }  // namespace
 
-TonePicture tones_of(const Image<Rgb8>& picture, int longer_side_px) {
+EqualNoiseTones tones_of(const Image<Rgb8>& picture, int longer_side_px) {
   const cv::Mat3b whole(picture.height(), picture.width(),
                         reinterpret_cast<cv::Vec3b*>(const_cast<Rgb8*>(picture.elements().data())));
-  TonePicture small;
+  EqualNoiseTones small;
   small.shrink = std::max(1.0, static_cast<double>(std::max(whole.cols, whole.rows)) / longer_side_px);
   cv::Mat3b shrunk = whole;
   if (small.shrink > 1.0) cv::resize(whole, shrunk, {}, 1.0 / small.shrink, 1.0 / small.shrink, cv::INTER_AREA);

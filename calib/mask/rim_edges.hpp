@@ -13,11 +13,11 @@ namespace kasumi {
 
 // 16 sqrt(value + a share of the picture's brightness), by channel: noise counts about the same in light and dark, and
 // faint flare less than a rim.
-struct TonePicture {
+struct EqualNoiseTones {
   cv::Mat3f tones;
   double shrink = 1.0;  // pixels of the picture across one of these
 };
-TonePicture tones_of(const Image<Rgb8>& picture, int longer_side_px);
+EqualNoiseTones tones_of(const Image<Rgb8>& picture, int longer_side_px);
 
 struct RimEdge {
   glm::vec2 point{};

@@ -45,8 +45,7 @@ Image<float> softened(const cv::Mat& view, const cv::Mat& mask, int radius) {
 
 }  // namespace
 
-Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke>& strokes,
-                                  const SceneMaskOptions& options) {
+Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke>& strokes, const MaskExtent& options) {
   const cv::Rect whole(0, 0, picture.width(), picture.height());
   const cv::Rect box =
       options.box ? cv::Rect(options.box->x, options.box->y, options.box->z, options.box->w) & whole : whole;

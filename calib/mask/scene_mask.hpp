@@ -25,7 +25,7 @@ struct SceneMask {
   double hidden_share = 0.0;  // of the picture, or of the box
 };
 
-struct SceneMaskOptions {
+struct MaskExtent {
   std::optional<glm::ivec4> box;  // x, y, width, height: only in it may anything be hidden
   double soft_px = 3.0;           // how far from the cut edge a pixel may be a mixture; 0: hard edges
 };
@@ -33,7 +33,6 @@ struct SceneMaskOptions {
 // GrabCut from the strokes (nearby pixels of like colour join them), then the share of each edge pixel from the
 // picture's own colours (guided filter, He et al. 2013). Areas that touch no stroke of their kind are dropped. Errors
 // (bad_input): a kind of stroke is missing inside the box.
-Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke>& strokes,
-                                  const SceneMaskOptions& options);
+Result<SceneMask> find_scene_mask(const Image<Rgb8>& picture, const Image<Stroke>& strokes, const MaskExtent& options);
 
 }  // namespace kasumi

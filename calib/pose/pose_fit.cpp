@@ -15,7 +15,7 @@ namespace {
 
 using PoseChange = std::array<double, kPoseUnknowns>;
 
-PoseModel changed(const PoseModel& model, const double* change, const ScenePrior& prior) {
+PoseParameters changed(const PoseParameters& model, const double* change, const ScenePrior& prior) {
   return {model.to_world * rotation_by({change[0], change[1], change[2]}),
           model.log_scale + prior.scale_sigma * change[3],
           model.position_m + prior.position_sigma_m * glm::dvec3{change[4], change[5], change[6]}};
@@ -24,7 +24,7 @@ PoseModel changed(const PoseModel& model, const double* change, const ScenePrior
 struct LandmarkCost {
   const ScaledLens* lens;
   const ScenePrior* prior;
-  PoseModel from;
+  PoseParameters from;
   LandmarkSight sight;
   bool operator()(const double* change, double* residual) const {
     const auto off = residual_of(changed(from, change, *prior), *lens, sight);
@@ -39,7 +39,7 @@ struct LandmarkCost {
 struct HorizonCost {
   const ScaledLens* lens;
   const ScenePrior* prior;
-  PoseModel from;
+  PoseParameters from;
   HorizonSight sight;
   bool operator()(const double* change, double* residual) const {
     const auto off = residual_of(changed(from, change, *prior), *lens, sight);
@@ -52,9 +52,9 @@ struct HorizonCost {
 // Also keeps parameters that are held fixed (sigma 0) at their start.
 struct PosePriorCost {
   const ScenePrior* prior;
-  PoseModel from;
+  PoseParameters from;
   bool operator()(const double* change, double* residual) const {
-    const PoseModel model = changed(from, change, *prior);
+    const PoseParameters model = changed(from, change, *prior);
     residual[0] = model.to_world[0].z / prior->level_sigma.value;  // how far the picture's right side points up
     residual[1] = prior->scale_sigma > 0.0 ? model.log_scale / prior->scale_sigma : change[3];
     for (int i = 0; i < 3; ++i)
@@ -63,7 +63,7 @@ struct PosePriorCost {
   }
 };
 
-ceres::CostFunction* cost_of(const ScaledLens& lens, const ScenePrior& prior, const PoseModel& from,
+ceres::CostFunction* cost_of(const ScaledLens& lens, const ScenePrior& prior, const PoseParameters& from,
                              const PoseSights& sights, std::size_t i) {
   if (i < sights.landmarks.size())
     return new ceres::NumericDiffCostFunction<LandmarkCost, ceres::CENTRAL, 2, kPoseUnknowns>(
@@ -124,13 +124,13 @@ double sigma_px(const LandmarkSight& sight, double focal_px) {
   return std::hypot(sight.sigma_px, focal_px * sight.place_sigma_m / std::max(1.0, glm::length(sight.place_m)));
 }
 
-std::optional<glm::dvec2> residual_of(const PoseModel& model, const ScaledLens& lens, const LandmarkSight& sight) {
+std::optional<glm::dvec2> residual_of(const PoseParameters& model, const ScaledLens& lens, const LandmarkSight& sight) {
   const auto at = lens.project((sight.place_m - model.position_m) * model.to_world, model.log_scale);
   if (!at) return std::nullopt;
   return sight.pixel - *at;
 }
 
-std::optional<double> residual_of(const PoseModel& model, const ScaledLens& lens, const HorizonSight& sight) {
+std::optional<double> residual_of(const PoseParameters& model, const ScaledLens& lens, const HorizonSight& sight) {
   const auto ray = lens.unproject(sight.pixel, model.log_scale);
   if (!ray) return std::nullopt;
   const glm::dvec3 direction = model.to_world * *ray;
@@ -138,7 +138,7 @@ std::optional<double> residual_of(const PoseModel& model, const ScaledLens& lens
   return lens.focal_px() * std::exp(model.log_scale) * (elevation + sight.dip.value);
 }
 
-PoseFit fit_pose(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
+PoseFit fit_pose(const PoseParameters& from, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
                  const std::vector<bool>& used) {
   PoseChange change{};
   ceres::Problem problem;

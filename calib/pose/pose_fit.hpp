@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-struct PoseModel {
+struct PoseParameters {
   glm::dmat3 to_world{1.0};
   double log_scale = 0.0;  // over the prior's lens
   glm::dvec3 position_m{0.0};
@@ -46,16 +46,16 @@ struct PoseSights {
 // Standard deviation of where the picture shows it, its place's included.
 double sigma_px(const LandmarkSight& sight, double focal_px);
 // Seen minus modelled; empty: the model does not see it.
-std::optional<glm::dvec2> residual_of(const PoseModel& model, const ScaledLens& lens, const LandmarkSight& sight);
+std::optional<glm::dvec2> residual_of(const PoseParameters& model, const ScaledLens& lens, const LandmarkSight& sight);
 // Pixels by which a point is seen above the level line.
-std::optional<double> residual_of(const PoseModel& model, const ScaledLens& lens, const HorizonSight& sight);
+std::optional<double> residual_of(const PoseParameters& model, const ScaledLens& lens, const HorizonSight& sight);
 
 // A turn of the camera about its own axes (radians); then in sigmas of the prior: ln scale, its place.
 constexpr int kPoseUnknowns = 7;
 using PoseCovariance = Eigen::Matrix<double, kPoseUnknowns, kPoseUnknowns>;
 
 struct PoseFit {
-  PoseModel model;
+  PoseParameters model;
   PoseCovariance covariance;
   // Of each sight, used or not: residual over sigma and its derivatives; one row for a point of the horizon, none for
   // what the model does not see at all.
@@ -64,7 +64,7 @@ struct PoseFit {
 };
 
 // `used`: one for each sight. Where no solution is found, `from` is kept.
-PoseFit fit_pose(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
+PoseFit fit_pose(const PoseParameters& from, const ScaledLens& lens, const ScenePrior& prior, const PoseSights& sights,
                  const std::vector<bool>& used);
 
 }  // namespace kasumi

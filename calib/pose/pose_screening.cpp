@@ -41,7 +41,7 @@ Contradiction contradiction(const PoseFit& solved, std::size_t i, bool used) {
   return found;
 }
 
-PoseFit fit_without_wrong(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior,
+PoseFit fit_without_wrong(const PoseParameters& from, const ScaledLens& lens, const ScenePrior& prior,
                           const PoseSights& sights, std::vector<bool>& used) {
   std::vector<bool> dropped(sights.size(), false);
   auto solved = fit_pose(from, lens, prior, sights, used);

@@ -23,7 +23,7 @@ Contradiction contradiction(const PoseFit& fit, std::size_t sight, bool used);
 
 // Drops what the rest contradicts, the worst first, and restores those that agree after all (Baarda's data snooping).
 // `used`: to begin with, and then in the end.
-PoseFit fit_without_wrong(const PoseModel& from, const ScaledLens& lens, const ScenePrior& prior,
+PoseFit fit_without_wrong(const PoseParameters& from, const ScaledLens& lens, const ScenePrior& prior,
                           const PoseSights& sights, std::vector<bool>& used);
 
 }  // namespace kasumi

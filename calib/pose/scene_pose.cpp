@@ -35,7 +35,7 @@ double log_scale_of(const ScaledLens& lens, const glm::dvec2& a, const glm::dvec
 }
 
 struct Start {
-  PoseModel model;
+  PoseParameters model;
   std::vector<bool> used;
 };
 
@@ -46,7 +46,7 @@ std::optional<Start> best_pair(const PoseSights& sights, const ScaledLens& lens,
   for (std::size_t a = 0; a < all.size(); ++a)
     for (std::size_t b = a + 1; b < all.size(); ++b) {
       const glm::dvec3 to_a = glm::normalize(all[a].place_m), to_b = glm::normalize(all[b].place_m);
-      PoseModel model;
+      PoseParameters model;
       model.log_scale = log_scale_of(lens, all[a].pixel, all[b].pixel, angle_between(to_a, to_b), prior.scale_sigma);
       const auto ray_a = lens.unproject(all[a].pixel, model.log_scale);
       const auto ray_b = lens.unproject(all[b].pixel, model.log_scale);

@@ -121,7 +121,7 @@ void pack(const Image<Rgb8>& image, PixelLayout layout, YuvEncoding encoding, st
 
 }  // namespace
 
-Result<Frame> encode_frame(const Image<Rgb8>& image, FourCc format, const EncodeOptions& options) {
+Result<Frame> encode_frame(const Image<Rgb8>& image, FourCc format, const EncodingFormat& options) {
   FrameMetadata metadata;
   metadata.format = format;
   metadata.width = image.width();

@@ -43,7 +43,7 @@ double normal(double deviation, double variance, double cap = 1e9) {
   return std::exp(-0.5 * std::min(deviation * deviation / variance, cap)) / std::sqrt(2.0 * kPi * variance);
 }
 
-std::vector<Sample> samples_of(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1b& spoilt,
+std::vector<Sample> samples_of(const PixelFeatures& sky, const cv::Mat1b& region, const cv::Mat1b& spoilt,
                                const cv::Mat1f& sun_deg, int wanted) {
   std::vector<cv::Point> places;
   for (int y = 0; y < region.rows; ++y)
@@ -63,7 +63,7 @@ std::vector<Sample> samples_of(const SkyElements& sky, const cv::Mat1b& region, 
 
 class Mixture {
  public:
-  Mixture(const std::vector<Sample>& samples, const ClearBlueOptions& options)
+  Mixture(const std::vector<Sample>& samples, const ClearBluePrior& options)
       : samples_(samples), options_(options), weight_(options.independent / static_cast<double>(samples.size())) {}
 
   void run(std::vector<double> clear) {
@@ -151,7 +151,7 @@ class Mixture {
   double clear_at(const Sample& sample) const { return std::max(dot(beta_, sample.terms), cloud_ + 0.02); }
 
   const std::vector<Sample>& samples_;
-  const ClearBlueOptions& options_;
+  const ClearBluePrior& options_;
   double weight_;
   Terms beta_{};
   double cloud_ = 0.06, clear_variance_ = 0.0025, cloud_variance_ = 0.0036, share_ = 0.5, score_ = 0.0;
@@ -163,8 +163,8 @@ double ClearBlue::clear_at(double zenith_deg, double sun_deg) const {
   return dot(clear, clear_terms(zenith_deg, sun_deg, sun_known));
 }
 
-ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg,
-                         const ClearBlueOptions& options) {
+ClearBlue fit_clear_blue(const PixelFeatures& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg,
+                         const ClearBluePrior& options) {
   ClearBlue best;
   best.sun_known = !sun_deg.empty();
   std::vector<Sample> samples = samples_of(sky, region, sky.partly, sun_deg, options.samples);
@@ -195,7 +195,7 @@ ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const 
   return best;
 }
 
-cv::Mat1f whiteness(const SkyElements& sky, const ClearBlue& blue, const cv::Mat1f& sun_deg) {
+cv::Mat1f whiteness(const PixelFeatures& sky, const ClearBlue& blue, const cv::Mat1f& sun_deg) {
   // Below the lower contrast there is one kind of sky, above the higher one there are two.
   constexpr double kOneKind = 0.08, kTwoKinds = 0.14;
   const double one = std::clamp((kTwoKinds - blue.contrast) / (kTwoKinds - kOneKind), 0.0, 1.0);

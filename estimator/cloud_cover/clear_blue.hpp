@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "estimator/cloud_cover/sky_elements.hpp"
+#include "estimator/cloud_cover/pixel_features.hpp"
 
 namespace kasumi {
 
@@ -18,7 +18,7 @@ struct ClearBlue {
   double clear_at(double zenith_deg, double sun_deg) const;
 };
 
-struct ClearBlueOptions {
+struct ClearBluePrior {
   // What cameras have in common: grey clouds are nearly neutral, a clear zenith is bluer by so much.
   double cloud = 0.06, cloud_sigma = 0.04;
   double zenith_contrast = 0.47, zenith_sigma = 0.20;
@@ -30,11 +30,11 @@ struct ClearBlueOptions {
 // expectation maximisation from several starts to the elements of `region` that no channel clips, or, where
 // these are too few, to those that are not white. Whiteness towards the
 // horizon and the sun is thereby not taken for cloud. `sun_deg`: empty where the sun is not known.
-ClearBlue fit_clear_blue(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg,
-                         const ClearBlueOptions& options = {});
+ClearBlue fit_clear_blue(const PixelFeatures& sky, const cv::Mat1b& region, const cv::Mat1f& sun_deg,
+                         const ClearBluePrior& options = {});
 
 // 0 where as blue as clear sky, 1 where as white as cloud. Where the picture has too little contrast for two kinds of
 // sky, all of it is cloud: above 1.
-cv::Mat1f whiteness(const SkyElements& sky, const ClearBlue& blue, const cv::Mat1f& sun_deg);
+cv::Mat1f whiteness(const PixelFeatures& sky, const ClearBlue& blue, const cv::Mat1f& sun_deg);
 
 }  // namespace kasumi

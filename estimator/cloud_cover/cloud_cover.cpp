@@ -10,7 +10,7 @@
 
 #include "base/statistics.hpp"
 #include "estimator/cloud_cover/clear_blue.hpp"
-#include "estimator/cloud_cover/sky_elements.hpp"
+#include "estimator/cloud_cover/pixel_features.hpp"
 #include "estimator/cloud_cover/sky_part.hpp"
 #include "estimator/cloud_cover/sun_glow.hpp"
 
@@ -24,7 +24,7 @@ constexpr std::array kBounds = {0.08, 0.30, 0.93};               // clear | few 
 constexpr double kAbove = 0.5;                                   // weight of the sky above kClassZenith
 constexpr float kClassZenith = 75.0f;  // degrees; below, haze and what stands on the horizon look like cloud
 
-CloudCover no_fraction(SkyClass sky, std::string reason, double confidence = 0.0) {
+CloudCover no_fraction(CoverClass sky, std::string reason, double confidence = 0.0) {
   CloudCover cover;
   cover.sky = sky;
   cover.reason = std::move(reason);
@@ -41,7 +41,7 @@ struct Levels {
   double clipped = 0.0;  // share
 };
 
-Levels levels_of(const SkyElements& sky) {
+Levels levels_of(const PixelFeatures& sky) {
   std::array<std::vector<float>, 5> values;
   for (int y = 0; y < sky.rgb.rows; y += 2)
     for (int x = 0; x < sky.rgb.cols; x += 2) {
@@ -63,21 +63,21 @@ Levels levels_of(const SkyElements& sky) {
 }
 
 // Findings from brightness and channels alone.
-std::optional<CloudCover> without_colour(const SkyElements& sky, const Levels& levels) {
-  if (sky.count < 2000) return no_fraction(SkyClass::unknown, "the picture shows almost no sky");
+std::optional<CloudCover> without_colour(const PixelFeatures& sky, const Levels& levels) {
+  if (sky.count < 2000) return no_fraction(CoverClass::unknown, "the picture shows almost no sky");
   if (levels.median < 0.025 && cv::countNonZero(sky.clipped) > 8)
-    return no_fraction(SkyClass::unknown, "under-exposed beside the sun");
-  if (levels.median < 0.025 || levels.bright < 0.06) return no_fraction(SkyClass::night, "dark", 0.8);
+    return no_fraction(CoverClass::unknown, "under-exposed beside the sun");
+  if (levels.median < 0.025 || levels.bright < 0.06) return no_fraction(CoverClass::night, "dark", 0.8);
   if (levels.weakest < 0.2 * levels.bright)
-    return no_fraction(SkyClass::unknown, fmt::format("a channel is missing: it reaches {:.0f} % of the others",
-                                                      100.0 * levels.weakest / levels.bright));
-  if (levels.colour < 0.012) return no_fraction(SkyClass::unknown, "the picture has no colour");
+    return no_fraction(CoverClass::unknown, fmt::format("a channel is missing: it reaches {:.0f} % of the others",
+                                                        100.0 * levels.weakest / levels.bright));
+  if (levels.colour < 0.012) return no_fraction(CoverClass::unknown, "the picture has no colour");
   if (levels.clipped > 0.7)
-    return no_fraction(SkyClass::unknown, fmt::format("over-exposed: {:.0f} % white", 100.0 * levels.clipped));
+    return no_fraction(CoverClass::unknown, fmt::format("over-exposed: {:.0f} % white", 100.0 * levels.clipped));
   return std::nullopt;
 }
 
-double median_blueness(const SkyElements& sky, const cv::Mat1b& region) {
+double median_blueness(const PixelFeatures& sky, const cv::Mat1b& region) {
   std::vector<float> values;
   for (int y = 0; y < region.rows; y += 2)
     for (int x = 0; x < region.cols; x += 2)
@@ -93,7 +93,7 @@ double share_of(const cv::Mat1b& part, const cv::Mat1b& whole) {
 void classify(CloudCover& cover, double f) {
   std::size_t i = 0;
   while (i < kBounds.size() && f >= kBounds[i]) ++i;
-  cover.sky = std::array{SkyClass::clear, SkyClass::few, SkyClass::broken, SkyClass::overcast}[i];
+  cover.sky = std::array{CoverClass::clear, CoverClass::few, CoverClass::broken, CoverClass::overcast}[i];
   const auto below = [&](double bound) { return 0.5 * std::erfc((f - bound) / (std::sqrt(2.0) * cover.sigma)); };
   const double from = i == 0 ? 0.0 : below(kBounds[i - 1]), to = i == kBounds.size() ? 1.0 : below(kBounds[i]);
   cover.confidence = std::max(0.0, to - from);
@@ -101,34 +101,34 @@ void classify(CloudCover& cover, double f) {
 
 }  // namespace
 
-std::string_view name_of(SkyClass sky) {
+std::string_view name_of(CoverClass sky) {
   switch (sky) {
-    case SkyClass::unknown: return "unknown";
-    case SkyClass::clear: return "clear";
-    case SkyClass::few: return "few";
-    case SkyClass::broken: return "broken";
-    case SkyClass::overcast: return "overcast";
-    case SkyClass::night: return "night";
+    case CoverClass::unknown: return "unknown";
+    case CoverClass::clear: return "clear";
+    case CoverClass::few: return "few";
+    case CoverClass::broken: return "broken";
+    case CoverClass::overcast: return "overcast";
+    case CoverClass::night: return "night";
   }
   return "unknown";
 }
 
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun) {
-  const SkyElements sky = sky_elements(picture, camera);
+  const PixelFeatures sky = pixel_features(picture, camera);
   const Levels levels = levels_of(sky);
   if (const auto answer = without_colour(sky, levels)) return *answer;
 
   const cv::Mat1b before = not_sky(sky);
   const cv::Mat1b region(sky.inside & ~before);
   const double land = share_of(before, sky.inside);
-  if (land > 0.9) return no_fraction(SkyClass::unknown, "the picture shows almost no sky");
+  if (land > 0.9) return no_fraction(CoverClass::unknown, "the picture shows almost no sky");
   if (levels.bright < 0.45 && median_blueness(sky, region) < -0.12)
-    return no_fraction(SkyClass::night, "dim and lit by lamps", 0.8);
+    return no_fraction(CoverClass::night, "dim and lit by lamps", 0.8);
 
   const auto sun_place = sun ? sun : brightest_patch(sky, region);
   const cv::Mat1f sun_deg = sun_place ? sun_distance(sky, *sun_place) : cv::Mat1f();
   const ClearBlue blue = fit_clear_blue(sky, region, sun_deg);
-  if (!blue.found) return no_fraction(SkyClass::unknown, "too little of the sky is neither white nor black");
+  if (!blue.found) return no_fraction(CoverClass::unknown, "too little of the sky is neither white nor black");
   const cv::Mat1f white = whiteness(sky, blue, sun_deg);
   cv::Mat1b cloud((white > kCloudy) & region);
   const cv::Mat1b known(region & ~sky.clipped);

@@ -14,15 +14,15 @@
 namespace kasumi {
 
 // few: up to about a third of the sky; overcast: from about 93 %.
-enum class SkyClass { unknown, clear, few, broken, overcast, night };
-std::string_view name_of(SkyClass sky);  // "few"
+enum class CoverClass { unknown, clear, few, broken, overcast, night };
+std::string_view name_of(CoverClass sky);  // "few"
 
 enum class CoverElement : std::uint8_t { not_sky, clear, cloud };
 
 struct CloudCover {
   std::optional<double> fraction;  // of the picture's sky, 0..1; by elements, not by solid angle
   double sigma = 0.0;              // standard deviation of `fraction`; valid with it
-  SkyClass sky = SkyClass::unknown;
+  CoverClass sky = CoverClass::unknown;
   double confidence = 0.0;       // probability that `sky` is right; 0 where unknown
   std::string reason;            // why there is no fraction; empty with it
   Image<CoverElement> elements;  // as the picture's; empty where there is no fraction

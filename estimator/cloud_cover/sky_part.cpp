@@ -16,7 +16,7 @@ constexpr float kSharp = 0.2f;       // ln of encoded values, over two elements
 constexpr float kRimZenith = 85.0f;  // degrees
 constexpr float kGreen = 0.07f;      // greenness that no sky has, however bright
 
-cv::Mat1b sharp_edges(const SkyElements& sky) {
+cv::Mat1b sharp_edges(const PixelFeatures& sky) {
   cv::Mat smooth, logs;
   cv::GaussianBlur(sky.rgb, smooth, {3, 3}, 0);
   cv::log(smooth + cv::Scalar::all(0.06), logs);
@@ -34,7 +34,7 @@ cv::Mat1b sharp_edges(const SkyElements& sky) {
 }
 
 // The area free of sharp edges that is largest, weighted with its light; with a margin.
-cv::Mat1b open_sky(const SkyElements& sky, const cv::Mat& brush) {
+cv::Mat1b open_sky(const PixelFeatures& sky, const cv::Mat& brush) {
   cv::Mat near_edge;
   cv::dilate(sharp_edges(sky), near_edge, brush);
   const cv::Mat1b free(sky.inside & ~near_edge);
@@ -53,7 +53,7 @@ cv::Mat1b open_sky(const SkyElements& sky, const cv::Mat& brush) {
 }
 
 // Whether an area cut off from the open sky is something else than cloud.
-bool is_before_sky(const SkyElements& sky, const cv::Mat1b& area, const cv::Mat1b& open, const cv::Rect& box,
+bool is_before_sky(const PixelFeatures& sky, const cv::Mat1b& area, const cv::Mat1b& open, const cv::Rect& box,
                    float open_light, int reach) {
   const cv::Rect wide = cv::Rect(box.x - reach, box.y - reach, box.width + 2 * reach, box.height + 2 * reach) &
                         cv::Rect(0, 0, area.cols, area.rows);
@@ -81,7 +81,7 @@ bool is_before_sky(const SkyElements& sky, const cv::Mat1b& area, const cv::Mat1
 }
 
 // Of the marked elements those that are connected to the rim.
-cv::Mat1b reaching_in(const SkyElements& sky, const cv::Mat1b& marked) {
+cv::Mat1b reaching_in(const PixelFeatures& sky, const cv::Mat1b& marked) {
   cv::Mat1i label;
   const int areas = cv::connectedComponents(marked, label, 8, CV_32S);
   std::vector<char> rim(static_cast<std::size_t>(areas), 0);
@@ -97,7 +97,7 @@ cv::Mat1b reaching_in(const SkyElements& sky, const cv::Mat1b& marked) {
 
 }  // namespace
 
-cv::Mat1b not_sky(const SkyElements& sky) {
+cv::Mat1b not_sky(const PixelFeatures& sky) {
   const int side = scaled_side(sky, 7);
   const cv::Mat brush = cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
   const cv::Mat1b open = open_sky(sky, brush);

@@ -16,7 +16,7 @@ constexpr float kDisc = 14.0f;   // degrees: the disc and its bloom have edges o
 constexpr float kReach = 75.0f;  // degrees from the sun that glow reaches at most
 constexpr float kLow = 78.0f;    // degrees from the zenith: whiteness of the horizon
 
-cv::Mat1b smooth_parts(const SkyElements& sky, const cv::Mat1b& region) {
+cv::Mat1b smooth_parts(const PixelFeatures& sky, const cv::Mat1b& region) {
   const int wide = scaled_side(sky, 13), patch = scaled_side(sky, 9);
   const cv::Mat1f fine = mean_inside(sky.light, region, 3);
   const cv::Mat1f light = mean_inside(sky.light, region, wide), blue = mean_inside(sky.blueness, region, wide);
@@ -28,7 +28,7 @@ cv::Mat1b smooth_parts(const SkyElements& sky, const cv::Mat1b& region) {
 
 }  // namespace
 
-std::optional<SunDirection> brightest_patch(const SkyElements& sky, const cv::Mat1b& region) {
+std::optional<SunDirection> brightest_patch(const PixelFeatures& sky, const cv::Mat1b& region) {
   cv::Mat1f clipped, thickness;
   cv::Mat1b(sky.clipped & region).convertTo(clipped, CV_32F, 1.0 / 255.0);
   const int side = scaled_side(sky, 15);
@@ -42,7 +42,7 @@ std::optional<SunDirection> brightest_patch(const SkyElements& sky, const cv::Ma
   return SunDirection{d[0], d[1], d[2]};
 }
 
-cv::Mat1b glow(const SkyElements& sky, const cv::Mat1b& region, const cv::Mat1b& white, const cv::Mat1f& sun_deg) {
+cv::Mat1b glow(const PixelFeatures& sky, const cv::Mat1b& region, const cv::Mat1b& white, const cv::Mat1f& sun_deg) {
   const cv::Mat1b smooth = smooth_parts(sky, region);
   cv::Mat1b found(white & smooth & (sky.zenith_deg > kLow));
   if (sun_deg.empty()) return cv::Mat1b(found & ~sky.clipped);

@@ -18,7 +18,7 @@ constexpr double kLeastLasting = 0.01;  // avoids a division by zero where an ob
 // Chosen: ln aod changes by .2 in the first hour (AERONET), about an observer's sigma.
 constexpr Duration kFollowedFor = std::chrono::hours(1);
 
-GaussMarkov quantities_of(const AirTrackerOptions& options) {
+GaussMarkov quantities_of(const TrackingRules& options) {
   std::vector<DriftingQuantity> all(kAirQuantities, DriftingQuantity{0.0, 1.0, options.lasting});
   all[kAmount] = options.amount;
   all[kAmount].usual = log_amount(options.given.aod_550.value_or(options.usual_aod_550));
@@ -38,7 +38,7 @@ std::optional<AerosolKind> given_kind(const GivenAir& given) {
 
 }  // namespace
 
-AirTracker::AirTracker(AirTrackerOptions options)
+AirTracker::AirTracker(TrackingRules options)
     : options_(std::move(options)),
       state_(quantities_of(options_)),
       errors_(options_.lasting_share),

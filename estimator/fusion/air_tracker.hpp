@@ -52,7 +52,7 @@ struct RememberedAir {
 };
 
 // Amounts are in ln(aod_550 + kSmallAerosol).
-struct AirTrackerOptions {
+struct TrackingRules {
   // What it gives is fixed; with the amount, the path's as well (near_ground 1), whatever is seen.
   GivenAir given{};
   double altitude_m = 0.0;  // of the scene camera, for the paths
@@ -83,7 +83,7 @@ struct AirTrackerOptions {
 // Monotonic time; a time before the last one counts as no time passed.
 class AirTracker {
  public:
-  explicit AirTracker(AirTrackerOptions options = {});
+  explicit AirTracker(TrackingRules options = {});
 
   // Accepts a reading, or rejects it: not finite, nothing in it, or a lone outlier.
   enum class Verdict { taken, unusable, outlier, restarted };
@@ -144,7 +144,7 @@ class AirTracker {
   double sigma_turbidity(const GaussMarkov& state, const Shown& of) const;
   bool seen() const { return seen_.has_value(); }
 
-  AirTrackerOptions options_;
+  TrackingRules options_;
   GaussMarkov state_;  // at updated_
   LastingErrors errors_;
   KindBelief kind_;

@@ -31,7 +31,7 @@ constexpr double kLeastSigmaAod = 0.005;
 std::vector<SkyReading> readings_in(const LowSky& low, const Camera& scene) {
   const glm::dmat3 to_srgb = xyz_to_linear_srgb() * scene.light_to_xyz();
   std::vector<SkyReading> readings;
-  for (const LowSkyPatch& patch : low.patches) {
+  for (const HorizonPatch& patch : low.patches) {
     const SkyReading reading{patch.direction, to_srgb * patch.light, patch.sigma, patch.off_axis};
     if (std::min({reading.light.r, reading.light.g, reading.light.b}) > 0.0) readings.push_back(reading);
   }
@@ -49,9 +49,9 @@ FoundAerosol with_doubts(FoundAerosol found) {
 
 }  // namespace
 
-HorizonColumnAir column_by_horizon(const Camera& scene, const PictureView& picture, const SunDirection& sun,
-                                   const SkyToFit& sky) {
-  HorizonColumnAir air;
+HorizonColumnFit column_by_horizon(const Camera& scene, const PictureView& picture, const SunDirection& sun,
+                                   const ModelToFit& sky) {
+  HorizonColumnFit air;
   if (std::asin(sun.z) < kLowestSun.value) {
     air.reason = "the sun is too low";
     return air;

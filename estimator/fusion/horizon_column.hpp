@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct HorizonColumnAir {
+struct HorizonColumnFit {
   std::optional<ColumnReading> reading;
   std::string reason;  // for people: why there is none
   SkyFit fit;          // what the models make of it, before what a low sky cannot know is added
@@ -20,7 +20,7 @@ struct HorizonColumnAir {
 };
 
 // `sky`: which models, the site's altitude, what is given. The sun must be up.
-HorizonColumnAir column_by_horizon(const Camera& scene, const PictureView& picture, const SunDirection& sun,
-                                   const SkyToFit& sky);
+HorizonColumnFit column_by_horizon(const Camera& scene, const PictureView& picture, const SunDirection& sun,
+                                   const ModelToFit& sky);
 
 }  // namespace kasumi

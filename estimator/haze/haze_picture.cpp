@@ -74,8 +74,8 @@ Image<glm::vec3> composited(const Image<glm::vec4>& blurred, const glm::dvec3& a
   return light;
 }
 
-Result<HazedPicture> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
-                                const glm::dvec3& airlight, DiffusionScheme scheme) {
+Result<HazedImage> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
+                              const glm::dvec3& airlight, DiffusionScheme scheme) {
   if (range.range.width() != light.width() || range.range.height() != light.height())
     return fail(FaultKind::bad_input, "a range map of {} x {}: expected {} x {}, the size of the picture",
                 range.range.width(), range.range.height(), light.width(), light.height());
@@ -83,7 +83,7 @@ Result<HazedPicture> under_haze(const Image<glm::vec3>& light, const HazeRange& 
   auto blurred = diffuse(scheme, attenuated(light, range.range, optics, airlight), map);
   if (!blurred) return fail(blurred.error());
   const auto widest = static_cast<double>(*std::ranges::max_element(map.sigma_px.elements()));
-  return HazedPicture{composited(*blurred, airlight), cost_of(scheme, optics.inner_px, widest)};
+  return HazedImage{composited(*blurred, airlight), cost_of(scheme, optics.inner_px, widest)};
 }
 
 }  // namespace kasumi

@@ -42,12 +42,12 @@ Image<glm::vec4> attenuated(const Image<glm::vec3>& light, const Image<float>& r
 // H Eq 4: F + (1 - a) Linf, with the blurred a.
 Image<glm::vec3> composited(const Image<glm::vec4>& blurred, const glm::dvec3& airlight);
 
-struct HazedPicture {
+struct HazedImage {
   Image<glm::vec3> light;
   DiffusionCost cost;
 };
 // The whole sequence. Errors: as `diffuse`.
-Result<HazedPicture> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
-                                const glm::dvec3& airlight, DiffusionScheme scheme);
+Result<HazedImage> under_haze(const Image<glm::vec3>& light, const HazeRange& range, const HazeOptics& optics,
+                              const glm::dvec3& airlight, DiffusionScheme scheme);
 
 }  // namespace kasumi

@@ -11,7 +11,7 @@
 namespace kasumi {
 namespace {
 
-Result<> check(const HazeRangeOptions& options) {
+Result<> check(const RangeRules& options) {
   Problems problems;
   if (!(options.smallest_sky_share > 0.0 && options.smallest_sky_share <= 1.0))
     problems.add("smallest share of the sky {}: expected more than 0, at most 1", options.smallest_sky_share);
@@ -36,7 +36,7 @@ double over_relaxation(int margin_px) {
 
 }  // namespace
 
-Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options,
+Result<HazeRange> prepare_range(const Image<float>& range_m, const RangeRules& options,
                                 const Image<glm::vec3>& picture) {
   if (auto fine = check(options); !fine) return fail(fine.error());
   if (options.outline_reach_px > 0 && (picture.width() != range_m.width() || picture.height() != range_m.height()))

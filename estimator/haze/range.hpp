@@ -11,7 +11,7 @@
 
 namespace kasumi {
 
-struct HazeRangeOptions {
+struct RangeRules {
   // An undefined region with at least this share of the picture is sky (H: "the largest connected components"); smaller
   // ones are holes. 1: all are holes, as indoors.
   double smallest_sky_share = 0.02;
@@ -37,7 +37,7 @@ constexpr float kRangeStepTurn = 8.0F;  // e^8: a step from 1 m to 3 km is not m
 // `range_m`: metres along the line of sight; 0 is undefined, infinity sky (indoors, smallest_sky_share 1: undefined). Deterministic. Errors: bad_input (nothing measured,
 // options out of their ranges).
 // `picture`: encoded, of the same size; not needed where outlines stay.
-Result<HazeRange> prepare_range(const Image<float>& range_m, const HazeRangeOptions& options = {},
+Result<HazeRange> prepare_range(const Image<float>& range_m, const RangeRules& options = {},
                                 const Image<glm::vec3>& picture = {});
 
 // The parts, for tests and for maps that need only some of them.

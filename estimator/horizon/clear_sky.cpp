@@ -38,7 +38,7 @@ struct Cell {
 };
 
 struct Measurement {
-  const SceneSky& scene;
+  const HorizonPixels& scene;
   Radians middle_azimuth;
   CellSize size;
   int cell_height, margin, band;
@@ -90,10 +90,10 @@ struct Measurement {
   }
 
   // Stack by stack from the left, each from top to bottom.
-  std::vector<Cell> cells(const std::vector<SkyStrip>& strips) const {
+  std::vector<Cell> cells(const std::vector<HorizonStrip>& strips) const {
     std::vector<Cell> found;
     for (std::size_t s = 0; s < strips.size(); ++s) {
-      const SkyStrip& strip = strips[s];
+      const HorizonStrip& strip = strips[s];
       for (int k = 0; k < size.stacks; ++k) {
         const int x0 = strip.x0 + k * (strip.x1 - strip.x0) / size.stacks;
         const int x1 = strip.x0 + (k + 1) * (strip.x1 - strip.x0) / size.stacks;
@@ -115,10 +115,10 @@ struct Measurement {
 using Use = std::vector<std::uint8_t>;  // one per cell
 
 // Sky for certain, with no hills in it, though not all of it clear.
-Use certain_sky(const Measurement& m, const std::vector<Cell>& cells, const std::vector<SkyStrip>& strips) {
+Use certain_sky(const Measurement& m, const std::vector<Cell>& cells, const std::vector<HorizonStrip>& strips) {
   Use use(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const SkyStrip& strip = strips[static_cast<std::size_t>(cells[i].light.strip)];
+    const HorizonStrip& strip = strips[static_cast<std::size_t>(cells[i].light.strip)];
     use[i] = cells[i].y <= strip.certain - m.margin && !cells[i].clipped ? 1 : 0;
   }
   return use;
@@ -238,7 +238,7 @@ struct FirstLook {
   ClearHorizon clear;
 };
 // Empty: too noisy, or too little of it.
-std::optional<FirstLook> first_look(const Measurement& m, const std::vector<SkyStrip>& strips) {
+std::optional<FirstLook> first_look(const Measurement& m, const std::vector<HorizonStrip>& strips) {
   FirstLook look;
   look.cells = m.cells(strips);
   const auto clipped = std::ranges::count_if(look.cells, [](const Cell& cell) { return cell.clipped; });
@@ -252,7 +252,7 @@ std::optional<FirstLook> first_look(const Measurement& m, const std::vector<SkyS
   return look;
 }
 
-std::vector<HorizonColumn> measured(const Measurement& m, const std::vector<SkyStrip>& strips, FirstLook look) {
+std::vector<HorizonColumn> measured(const Measurement& m, const std::vector<HorizonStrip>& strips, FirstLook look) {
   look.use = above_land(m, look.cells, look.clear, look.use);
   const auto clear = fit_clear_horizon(look.lights, look.use);
   if (!clear || clear->share < kLeastShare) return {};
@@ -266,7 +266,7 @@ std::vector<HorizonColumn> measured(const Measurement& m, const std::vector<SkyS
 
 }  // namespace
 
-std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips) {
+std::vector<HorizonColumn> clear_sky(const HorizonPixels& scene, const std::vector<HorizonStrip>& strips) {
   const Camera& camera = scene.camera;
   const auto middle = camera.direction_at({0.5 * (camera.width - 1), 0.5 * (camera.height - 1)});
   if (!middle) return {};

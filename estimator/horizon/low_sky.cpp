@@ -32,8 +32,8 @@ struct Block {
   int x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
-struct BlockLight {
-  LowSkyPatch patch;
+struct BlockPatch {
+  HorizonPatch patch;
   bool rough = false;
 };
 
@@ -66,7 +66,7 @@ std::vector<double> off_plane(const std::vector<glm::dvec2>& places, const std::
   return off;
 }
 
-std::optional<BlockLight> light_of(const SceneSky& scene, const Block& block) {
+std::optional<BlockPatch> light_of(const HorizonPixels& scene, const Block& block) {
   const glm::dvec2 centre{0.5 * (block.x0 + block.x1 - 1), 0.5 * (block.y0 + block.y1 - 1)};
   const auto direction = scene.camera.direction_at(centre);
   if (!direction) return std::nullopt;
@@ -90,7 +90,7 @@ std::optional<BlockLight> light_of(const SceneSky& scene, const Block& block) {
   const auto count = static_cast<double>(places.size());
   if (count < kLeastSkyShare * seen || clipped > kMostClippedShare * seen || count < 8.0) return std::nullopt;
 
-  BlockLight found;
+  BlockPatch found;
   found.patch.direction = *direction;
   const glm::dvec2 middle{0.5 * scene.camera.width, 0.5 * scene.camera.height};
   found.patch.off_axis = glm::length(centre - middle) / glm::length(middle);
@@ -105,7 +105,7 @@ std::optional<BlockLight> light_of(const SceneSky& scene, const Block& block) {
 }
 
 // Of one strip, from the land up to the picture's upper edge.
-std::vector<Block> blocks_of(const SceneSky& scene, const SkyStrip& strip) {
+std::vector<Block> blocks_of(const HorizonPixels& scene, const HorizonStrip& strip) {
   std::vector<Block> blocks;
   const int height = std::max(3, static_cast<int>(kPatchHeight * scene.picture.height()));
   const int margin = std::max(2, static_cast<int>(kHorizonMargin * scene.picture.height()));
@@ -135,10 +135,10 @@ LowSky read_low_sky(const Camera& scene, const PictureView& picture) {
     low.reason = segmentation.reason;
     return low;
   }
-  const SceneSky sky{scene, rgb, segmentation.sky};
+  const HorizonPixels sky{scene, rgb, segmentation.sky};
   std::size_t rough = 0;
   double lowest = kPi, highest = 0.0;
-  for (const SkyStrip& strip : sky_strips(sky, std::min(kStripsOfLowSky, std::max(1, scene.width / 16))))
+  for (const HorizonStrip& strip : sky_strips(sky, std::min(kStripsOfLowSky, std::max(1, scene.width / 16))))
     for (const Block& block : blocks_of(sky, strip)) {
       const auto light = light_of(sky, block);
       if (!light) continue;

@@ -17,7 +17,7 @@ namespace kasumi {
 constexpr Radians kLowestLowSky = from_degrees(0.5), kHighestLowSky = from_degrees(15.0);
 
 // Light of a small patch of sky.
-struct LowSkyPatch {
+struct HorizonPatch {
   Direction direction{0.0, 0.0, 1.0};
   glm::dvec3 light{0.0};  // linear, the camera's channels and scale (Camera::light_at)
   glm::dvec3 sigma{0.0};  // relative, by noise and quantisation
@@ -25,8 +25,8 @@ struct LowSkyPatch {
 };
 
 struct LowSky {
-  std::vector<LowSkyPatch> patches;  // empty: there is none to be read, and `reason` says why
-  std::string reason;                // for people: "clouds at the horizon"
+  std::vector<HorizonPatch> patches;  // empty: there is none to be read, and `reason` says why
+  std::string reason;                 // for people: "clouds at the horizon"
 };
 
 // Of sky that shows neither clouds nor hills. A uniform cloud cover is not detected here; its light fits no clear sky,

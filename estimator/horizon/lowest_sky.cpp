@@ -21,7 +21,7 @@ struct Pixel {
   bool clipped = false;
 };
 
-Pixel pixel_of(const SceneSky& scene, int x, int y) {
+Pixel pixel_of(const HorizonPixels& scene, int x, int y) {
   const glm::dvec3 light = scene.light_at(x, y);
   return {x, y, light, (light.x + light.y + light.z) / 3.0, scene.clipped_at(x, y)};
 }
@@ -31,7 +31,7 @@ struct Measured {
   bool clipped = false;
 };
 
-std::optional<Measured> measure_strip(const SceneSky& scene, const SkyStrip& strip) {
+std::optional<Measured> measure_strip(const HorizonPixels& scene, const HorizonStrip& strip) {
   const int height = scene.picture.height();
   const int x0 = strip.x0, x1 = strip.x1;
   const int bottom = strip.first_drop - std::max(1, static_cast<int>(kHorizonMargin * height));
@@ -143,10 +143,10 @@ void smooth_over_azimuth(std::vector<HorizonColumn>& columns) {
 
 }  // namespace
 
-LowestSky lowest_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips) {
-  LowestSky lowest;
+SmoothHorizon lowest_sky(const HorizonPixels& scene, const std::vector<HorizonStrip>& strips) {
+  SmoothHorizon lowest;
   int clipped = 0;
-  for (const SkyStrip& strip : strips) {
+  for (const HorizonStrip& strip : strips) {
     if (const auto measured = measure_strip(scene, strip)) {
       lowest.columns.push_back(measured->column);
       clipped += measured->clipped ? 1 : 0;

@@ -37,15 +37,15 @@ HorizonLight measure_horizon(const Camera& scene, const PictureView& picture, in
     horizon.reason = segmentation.reason;
     return horizon;
   }
-  const SceneSky sky{scene, rgb, segmentation.sky};
+  const HorizonPixels sky{scene, rgb, segmentation.sky};
   const int wanted = std::clamp(columns, 1, std::max(1, scene.width / 8));
-  const std::vector<SkyStrip> strips = sky_strips(sky, wanted);
+  const std::vector<HorizonStrip> strips = sky_strips(sky, wanted);
   if (4 * static_cast<int>(strips.size()) >= wanted) horizon.columns = clear_sky(sky, strips);
   if (!horizon.columns.empty()) {
     horizon.source = HorizonLight::Source::scene_camera;
     return horizon;
   }
-  LowestSky lowest = lowest_sky(sky, strips);
+  SmoothHorizon lowest = lowest_sky(sky, strips);
   const int found = static_cast<int>(lowest.columns.size());
   if (4 * found < wanted) {
     horizon.reason = fmt::format("no horizon: sky in {} of {} columns, less than a quarter", found, wanted);

@@ -18,7 +18,7 @@ constexpr double kSearchDegrees = 3.0;  // hide; and at least this far up: a tel
 constexpr double kSoftestHill = 0.02;   // relative drop of light that counts as a hill's edge: 1.5 steps of 8 bits
 
 // Lowest row in which the strip x0..x1 is mostly sky; -1 when there is none.
-int sky_bottom(const SceneSky& scene, int x0, int x1) {
+int sky_bottom(const HorizonPixels& scene, int x0, int x1) {
   for (int y = scene.picture.height() - 1; y >= 0; --y) {
     int count = 0;
     for (int x = x0; x < x1; ++x) count += scene.sky.at(x, y) != 0 ? 1 : 0;
@@ -30,7 +30,7 @@ int sky_bottom(const SceneSky& scene, int x0, int x1) {
 // Median over the strip's sky pixels in a row. Also for red alone, because the air scatters it least: there a hill that
 // has almost faded stays visible longest.
 enum class RowChannel { brightness, red };
-double row_light(const SceneSky& scene, int x0, int x1, int y, RowChannel channel) {
+double row_light(const HorizonPixels& scene, int x0, int x1, int y, RowChannel channel) {
   std::vector<double> values;
   const int step = std::max(1, (x1 - x0) / 48);
   for (int x = x0; x < x1; x += step) {
@@ -93,7 +93,7 @@ int lowest_rise(const std::vector<double>& profile, int reach, double noise, int
 
 // Sets first_drop and certain. Everything above the silhouette of a hill that has faded into the sky is sky, and so is
 // everything above a cloud.
-void find_edges(const SceneSky& scene, SkyStrip& strip) {
+void find_edges(const HorizonPixels& scene, HorizonStrip& strip) {
   const int height = scene.picture.height();
   strip.first_drop = strip.edge;
   int last_rise = strip.top;
@@ -116,25 +116,25 @@ void find_edges(const SceneSky& scene, SkyStrip& strip) {
 
 }  // namespace
 
-glm::dvec3 SceneSky::light_at(int x, int y) const {
+glm::dvec3 HorizonPixels::light_at(int x, int y) const {
   return camera.light_at({x, y}, glm::dvec3(picture.at(x, y)) / 255.0);
 }
 
-glm::dvec3 SceneSky::log_step_at(int x, int y) const {
+glm::dvec3 HorizonPixels::log_step_at(int x, int y) const {
   const glm::dvec3 encoded = glm::max(glm::dvec3(picture.at(x, y)), 1.0) / 255.0;
   return camera.response.slope(encoded) / glm::max(camera.response.to_light(encoded), 1e-9) / 255.0;
 }
 
-bool SceneSky::clipped_at(int x, int y) const {
+bool HorizonPixels::clipped_at(int x, int y) const {
   const Rgb8& encoded = picture.at(x, y);
   return encoded.x >= kSaturatedHorizon || encoded.y >= kSaturatedHorizon || encoded.z >= kSaturatedHorizon;
 }
 
-std::vector<SkyStrip> sky_strips(const SceneSky& scene, int strips) {
+std::vector<HorizonStrip> sky_strips(const HorizonPixels& scene, int strips) {
   const int width = scene.picture.width(), height = scene.picture.height();
-  std::vector<SkyStrip> found;
+  std::vector<HorizonStrip> found;
   for (int i = 0; i < strips; ++i) {
-    SkyStrip strip{i * width / strips, (i + 1) * width / strips, 0, 0, 0, 0};
+    HorizonStrip strip{i * width / strips, (i + 1) * width / strips, 0, 0, 0, 0};
     strip.edge = sky_bottom(scene, strip.x0, strip.x1);
     if (strip.edge < 0) continue;
     const int rows = std::max(static_cast<int>(kSearchShare * height), rows_of(scene.camera, strip.edge));

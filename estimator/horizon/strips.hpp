@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-struct SceneSky {
+struct HorizonPixels {
   const Camera& camera;
   const Image<Rgb8>& picture;
   const Image<std::uint8_t>& sky;  // 255 where sky
@@ -24,7 +24,7 @@ struct SceneSky {
 Image<std::uint8_t> below_horizon(const Camera& camera);
 
 // Pixels of one strip near its lowest sky: columns x0..x1-1, rows top..edge.
-struct SkyStrip {
+struct HorizonStrip {
   int x0 = 0, x1 = 0;
   int top = 0;         // upper end of the rows in which a faded hill may hide
   int edge = 0;        // lowest row that is mostly sky, with faded hills counted as sky
@@ -37,18 +37,18 @@ constexpr double kHorizonBand = 0.025;    // the horizon region
 constexpr double kHorizonMargin = 0.006;  // above a silhouette, whose pixels are mixed
 
 // Strips with sky, from the left.
-std::vector<SkyStrip> sky_strips(const SceneSky& scene, int strips);
+std::vector<HorizonStrip> sky_strips(const HorizonPixels& scene, int strips);
 
 // Light of the clear sky above the land, one column per strip: the lowest cells that lie on one smooth surface of
 // light, unlike clouds and hills. Empty where too little of the sky is clear to be sure.
-std::vector<HorizonColumn> clear_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips);
+std::vector<HorizonColumn> clear_sky(const HorizonPixels& scene, const std::vector<HorizonStrip>& strips);
 
 // Light of the lowest sky above the first drop of light, without outliers, smoothed over azimuth. For clipped, overcast
 // and cloudy skies; one column for each strip with enough sky.
-struct LowestSky {
+struct SmoothHorizon {
   std::vector<HorizonColumn> columns;
   bool clipped = false;  // most of them
 };
-LowestSky lowest_sky(const SceneSky& scene, const std::vector<SkyStrip>& strips);
+SmoothHorizon lowest_sky(const HorizonPixels& scene, const std::vector<HorizonStrip>& strips);
 
 }  // namespace kasumi

@@ -26,7 +26,7 @@ struct BoxLight {
   double clipped = 0.0;  // share of its pixels
 };
 
-bool inside(const PictureBox& box, const Camera& camera) {
+bool inside(const LandmarkBox& box, const Camera& camera) {
   return box.x >= 0 && box.y >= 0 && box.width > 0 && box.height > 0 && box.x + box.width <= camera.width &&
          box.y + box.height <= camera.height;
 }
@@ -39,7 +39,7 @@ double trimmed_mean(std::vector<double>& values) {
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box, double pixel_noise,
+BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const LandmarkBox& box, double pixel_noise,
                   const std::optional<RidgeStrip>& ridge = {}) {
   BoxLight found;
   found.middle = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
@@ -71,14 +71,14 @@ BoxLight light_of(const Camera& camera, const Image<glm::vec3>& encoded, const P
 }
 
 // The light from infinity next to one landmark.
-struct SkyBeside {
+struct LandmarkBackdrop {
   glm::dvec3 light{0}, sigma{0};
   std::string doubt;  // or, without light, the reason
 };
 
-SkyBeside sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, const ContrastLandmark& landmark,
-                     const glm::dvec2& place, const HorizonLight& horizon, const ContrastNoise& noise) {
-  SkyBeside sky;
+LandmarkBackdrop sky_beside(const Camera& camera, const Image<glm::vec3>& encoded, const ContrastLandmark& landmark,
+                            const glm::dvec2& place, const HorizonLight& horizon, const ContrastNoise& noise) {
+  LandmarkBackdrop sky;
   if (landmark.sky) {
     if (!inside(*landmark.sky, camera)) return {{}, {}, "its sky is outside the picture"};
     const auto box = light_of(camera, encoded, *landmark.sky, noise.pixel);
@@ -153,7 +153,7 @@ bool RidgeStrip::contains(int x, int y) const {
   return top && y > *top + 1.0 && y <= *top + 1.0 + height_px;
 }
 
-PictureBox RidgeStrip::bounds() const {
+LandmarkBox RidgeStrip::bounds() const {
   const auto [highest, lowest] = std::ranges::minmax(line, {}, &glm::dvec2::y);
   const auto left = static_cast<int>(std::ceil(line.front().x)), right = static_cast<int>(std::floor(line.back().x));
   const auto top = static_cast<int>(std::floor(highest.y)) + 1;

@@ -14,7 +14,7 @@
 
 namespace kasumi {
 
-struct PictureBox {
+struct LandmarkBox {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -24,7 +24,7 @@ struct RidgeStrip {
   double height_px = 0.0;
   // The ridge's own pixel shows sky, too, and does not belong to it.
   bool contains(int x, int y) const;
-  PictureBox bounds() const;
+  LandmarkBox bounds() const;
 };
 
 // Contrast, here and below: (light behind it - light of the surface) / light from infinity. Against the sky it is 1 - L
@@ -32,11 +32,11 @@ struct RidgeStrip {
 struct ContrastLandmark {
   std::string name;
   double distance_m = 0.0;
-  double rise_m = 0.0;                // of the surface above the camera
-  PictureBox surface;                 // pixels that show nothing else
-  std::optional<RidgeStrip> ridge;    // of these only the ones in this strip; nothing: all
-  std::optional<PictureBox> against;  // a neighbouring surface about as far away; nothing: the sky
-  std::optional<PictureBox> sky;  // low sky next to it, the light from infinity; nothing: the picture's horizon there
+  double rise_m = 0.0;                 // of the surface above the camera
+  LandmarkBox surface;                 // pixels that show nothing else
+  std::optional<RidgeStrip> ridge;     // of these only the ones in this strip; nothing: all
+  std::optional<LandmarkBox> against;  // a neighbouring surface about as far away; nothing: the sky
+  std::optional<LandmarkBox> sky;  // low sky next to it, the light from infinity; nothing: the picture's horizon there
   // Prior of its contrast without any air in front, before the first picture: mean and standard deviation. 1 - L / Linf
   // of facades in the shade is .92 to 1.0, of trees .98 (measured on towers, docs/accuracy.md).
   double contrast = 0.94;

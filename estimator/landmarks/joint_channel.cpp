@@ -60,7 +60,7 @@ double clearest_seen(double usual, double share, double sigma) {
 }
 
 // Hours of one half of a day have much the same air.
-double independent_hours(const std::vector<ChannelPicture>& pictures) {
+double independent_hours(const std::vector<ChannelSample>& pictures) {
   std::set<double> halves;
   double without_time = 0.0;
   for (const auto& picture : pictures)
@@ -119,7 +119,7 @@ JointChannel::JointChannel(std::vector<LawOfLandmark> laws, ContrastBelief prior
   }
 }
 
-double JointChannel::likeliest_per_m(const ChannelPicture& picture) const {
+double JointChannel::likeliest_per_m(const ChannelSample& picture) const {
   const auto count = laws_.size();
   std::vector<double> costs;
   for (std::size_t k = 0; k < grid_per_m_.size(); ++k) {
@@ -143,7 +143,7 @@ double JointChannel::likeliest_per_m(const ChannelPicture& picture) const {
   return std::lerp(grid_per_m_[best], grid_per_m_[towards], std::abs(shift));
 }
 
-JointChannel::Information JointChannel::of(const ChannelPicture& picture, double per_m) const {
+JointChannel::Information JointChannel::of(const ChannelSample& picture, double per_m) const {
   const auto count = static_cast<Eigen::Index>(laws_.size());
   JointMatrix by(count, 2 * count);
   by.setZero();
@@ -183,7 +183,7 @@ JointChannel::Information JointChannel::of(const ChannelPicture& picture, double
 
 // The gauge: no picture shows whether C0 and all extinctions rise together. But the clearest of many hours have little
 // aerosol.
-void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std::vector<Information>& all) {
+void JointChannel::add_clearest(const std::vector<ChannelSample>& pictures, std::vector<Information>& all) {
   std::vector<std::size_t> order;
   for (std::size_t t = 0; t < pictures.size(); ++t)
     if (std::ranges::count_if(pictures[t].readings, &ChannelReading::used) > 0) order.push_back(t);
@@ -212,7 +212,7 @@ void JointChannel::add_clearest(const std::vector<ChannelPicture>& pictures, std
       {by * by.transpose() / square(sigma), by * ((expected - seen + by.dot(constants)) / square(sigma)), {}});
 }
 
-void JointChannel::scale_scatter(const std::vector<ChannelPicture>& pictures) {
+void JointChannel::scale_scatter(const std::vector<ChannelSample>& pictures) {
   const auto count = laws_.size();
   std::vector<double> squares(count, kScatterReadings), readings(count, kScatterReadings);
   for (std::size_t t = 0; t < pictures.size(); ++t) {
@@ -243,7 +243,7 @@ void JointChannel::scale_scatter(const std::vector<ChannelPicture>& pictures) {
     scatter_[i] = std::clamp(std::sqrt(squares[i] / readings[i]), kLeastScatter, kGreatestScatter);
 }
 
-void JointChannel::solve(const std::vector<ChannelPicture>& pictures, int most_steps) {
+void JointChannel::solve(const std::vector<ChannelSample>& pictures, int most_steps) {
   const auto size = static_cast<Eigen::Index>(constants_.size()), count = size / 2;
   informations_.clear();
   pulls_.clear();

@@ -20,7 +20,7 @@ struct ChannelReading {
   double contrast = 0.0, sigma = 0.0;
   bool used = false;
 };
-struct ChannelPicture {
+struct ChannelSample {
   std::vector<ChannelReading> readings;
   std::optional<double> day;  // time, in days of any origin
 };
@@ -65,7 +65,7 @@ class JointChannel {
                const ContrastSpread& spread = {});
 
   // From where it stands: cheap where little has changed. `most_steps`: of alternating; fewer where it has settled.
-  void solve(const std::vector<ChannelPicture>& pictures, int most_steps = 30);
+  void solve(const std::vector<ChannelSample>& pictures, int most_steps = 30);
 
   ContrastBelief belief() const { return belief_without(std::nullopt); }
   // As the other pictures have it, by which one of them can be judged. Without any picture the prior.
@@ -75,10 +75,10 @@ class JointChannel {
 
  private:
   struct Information;
-  double likeliest_per_m(const ChannelPicture& picture) const;
-  Information of(const ChannelPicture& picture, double per_m) const;
-  void add_clearest(const std::vector<ChannelPicture>& pictures, std::vector<Information>& all);
-  void scale_scatter(const std::vector<ChannelPicture>& pictures);
+  double likeliest_per_m(const ChannelSample& picture) const;
+  Information of(const ChannelSample& picture, double per_m) const;
+  void add_clearest(const std::vector<ChannelSample>& pictures, std::vector<Information>& all);
+  void scale_scatter(const std::vector<ChannelSample>& pictures);
 
   std::vector<LawOfLandmark> laws_;
   ContrastBelief prior_;

@@ -30,7 +30,7 @@ glm::dvec3 model_light(const SiteSky& model, const Direction& direction, const g
 }
 
 // M Eq 13's numerator.
-double first_perez_factor(const SkyModel& model, double cos_theta) {
+double first_perez_factor(const PreethamSky& model, double cos_theta) {
   const PerezCoefficients k = perez_coefficients(PerezQuantity::luminance, model.turbidity());
   return 1.0 + k.a * std::exp(k.b / clamp_cosine(cos_theta));
 }
@@ -50,7 +50,7 @@ std::optional<ZetaForm> zeta_form_named(std::string_view name) {
 
 glm::dvec3 zeta(ZetaForm form, const SiteSky& model, const Direction& direction, const Direction& reference,
                 const glm::dmat3& xyz_to_light) {
-  if (const SkyModel* perez = model.preetham(); perez && form == ZetaForm::paper)
+  if (const PreethamSky* perez = model.preetham(); perez && form == ZetaForm::paper)
     return glm::dvec3{first_perez_factor(*perez, direction.z) / first_perez_factor(*perez, reference.z)};
   return model_light(model, direction, xyz_to_light) / model_light(model, reference, xyz_to_light);
 }
@@ -60,7 +60,7 @@ Airlight::Airlight(HorizonLight horizon, const SiteSky& sky, const glm::dmat3& l
 
 Airlight::Airlight(HorizonLight horizon, Turbidity turbidity, const SunDirection& sun, const glm::dmat3& light_to_xyz,
                    ZetaForm form)
-    : Airlight(std::move(horizon), SkyModel(turbidity, raised_to_horizon(sun)), light_to_xyz, form) {}
+    : Airlight(std::move(horizon), PreethamSky(turbidity, raised_to_horizon(sun)), light_to_xyz, form) {}
 
 glm::dvec3 Airlight::from(const Direction& direction) const {
   const HorizonColumn column = column_at(horizon_, azimuth_angle(direction));

@@ -43,7 +43,7 @@ double overcast_zenith(const SunDirection& sun) {
 
 }  // namespace
 
-Daylight::Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightOptions& options)
+Daylight::Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightConditions& options)
     : options_(options),
       sun_(sun),
       turbidity_(clamp_turbidity(air.turbidity())),
@@ -108,7 +108,7 @@ void Daylight::light_by_sun(const SpectralSensitivity& sensor, const glm::dmat3&
 glm::dvec3 Daylight::seen_xyz(const Direction& direction, const std::optional<glm::dvec3>& unit) const {
   const glm::dvec3 model = sky_xyz(direction);
   if (!unit) return model;
-  const SkyCell& cell = options_.measured->at(direction);
+  const MeasuredCell& cell = options_.measured->at(direction);
   const glm::dvec3 seen = *unit * cell.xyz;
   // Clear air keeps the model's light, which has the finer resolution. A clipped value is a lower bound of the
   // brightness.
@@ -138,7 +138,7 @@ std::optional<glm::dvec3> Daylight::unit_of(const MeasuredSky& measured) const {
   for (int ring = 0; ring < MeasuredSky::kRings; ++ring)
     for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
       const Direction centre = MeasuredSky::centre_of(ring, sector);
-      const SkyCell& cell = measured.at(centre);
+      const MeasuredCell& cell = measured.at(centre);
       const bool same = is_overcast() || cell.clear > 0.9;
       if (!same || cell.clipped || cell.seen < 0.5 || centre.z < not_low) continue;
       if (!is_overcast() && glm::dot(centre, sun_) > not_near_sun) continue;

@@ -27,11 +27,11 @@ struct LightOnObject {
   glm::dmat3 albedo_to_channels{1.0};  // of a surface with a given linear sRGB colour
 };
 
-struct DaylightOptions {
+struct DaylightConditions {
   SkyCondition sky = SkyCondition::clear;  // overcast: no sun, the CIE overcast sky
   double ground_albedo = 0.2;
   double altitude_m = 0.0;
-  SiteSkyModel model = SiteSkyModel::automatic;
+  DaylightModel model = DaylightModel::automatic;
   // The sky camera's measurement of a cloudy sky, or null: where it sees clouds, they light the object instead of the
   // model, and they dim the sun. Only read in the constructor.
   const MeasuredSky* measured = nullptr;
@@ -41,7 +41,7 @@ struct DaylightOptions {
 // Sun, sky and ground for one air and sun position. Construction costs some milliseconds.
 class Daylight {
  public:
-  Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightOptions& options = {});
+  Daylight(const Camera& scene, const AirState& air, const SunDirection& sun, const DaylightConditions& options = {});
 
   const LightOnObject& on_object() const { return light_; }
   // The model's sky radiance in a direction; at or below the horizon that of the horizon. Always > 0.
@@ -67,7 +67,7 @@ class Daylight {
   void light_by_sky(const std::optional<glm::dvec3>& unit);
   void light_by_ground();  // after sun and sky, whose light it reflects
 
-  DaylightOptions options_;
+  DaylightConditions options_;
   SunDirection sun_;
   Turbidity turbidity_;  // clamped to the models' range
   SiteSky model_;

@@ -75,8 +75,8 @@ std::vector<std::size_t> some_of(std::size_t all, std::size_t count, std::mt1993
 
 }  // namespace
 
-TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, std::size_t reference,
-                                           const ReferencePixelOptions& options) {
+TurbiditySolution solve_by_reference_pixel(std::span<const LuminanceSample> samples, std::size_t reference,
+                                           const RansacPlan& options) {
   TurbiditySolution solution;
   const std::size_t n = samples.size();
   solution.inlier.assign(n, 0);
@@ -85,7 +85,7 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
   const PerezPoint reference_point = perez_point(samples[reference]);
   std::vector<Ratio> ratios;
   ratios.reserve(n);
-  for (const SkySample& sample : samples)
+  for (const LuminanceSample& sample : samples)
     ratios.push_back({perez_point(sample), std::exp(static_cast<double>(sample.log_luminance) - log_reference_seen)});
 
   const auto errors_at = [&](double t) {
@@ -142,9 +142,9 @@ TurbiditySolution solve_by_reference_pixel(std::span<const SkySample> samples, s
   return solution;
 }
 
-OneModelSolver by_reference_pixel(const ReferencePixelOptions& options) {
-  return [options](std::span<const SkySample> samples) {
-    const auto nearest_to_zenith = std::ranges::min_element(samples, {}, &SkySample::zenith) - samples.begin();
+TurbiditySolver by_reference_pixel(const RansacPlan& options) {
+  return [options](std::span<const LuminanceSample> samples) {
+    const auto nearest_to_zenith = std::ranges::min_element(samples, {}, &LuminanceSample::zenith) - samples.begin();
     return solve_by_reference_pixel(samples, static_cast<std::size_t>(nearest_to_zenith), options);
   };
 }

@@ -208,7 +208,7 @@ void ExpectedScene::learn(const PicturePart& picture, const Image<std::uint8_t>&
   if (is_known && settled) measure_noise(picture, in_front);
   if (!memory_.wants(at)) return;
   const int side = place_.cell_px;
-  RememberedPicture now{at, picture.luma(), picture.blue(), picture.red(), {}};
+  RememberedFrame now{at, picture.luma(), picture.blue(), picture.red(), {}};
   if (settled && is_known)
     for (int row = 0; row < cells_.height(); ++row)
       for (int column = 0; column < cells_.width(); ++column) {

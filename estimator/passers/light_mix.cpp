@@ -25,7 +25,7 @@ constexpr int kRounds = 5;                          // of reweighting: outliers'
 }  // namespace
 
 LightMix::Window LightMix::window_of(int column, int row, int columns, int rows,
-                                     const std::vector<RememberedPicture>& pictures) const {
+                                     const std::vector<RememberedFrame>& pictures) const {
   Window made{column, row, columns, rows, 0, 0, {}, {}, {}, {}, {}};
   const auto count = static_cast<Eigen::Index>(pictures.size());
   const Eigen::Index size = 3L * columns * rows;
@@ -79,7 +79,7 @@ LightMix::Window LightMix::window_of(int column, int row, int columns, int rows,
   return made;
 }
 
-void LightMix::learn(const std::vector<RememberedPicture>& pictures, const Tone& tone) {
+void LightMix::learn(const std::vector<RememberedFrame>& pictures, const Tone& tone) {
   windows_.clear();
   pictures_ = pictures.size();
   if (pictures.empty()) return;

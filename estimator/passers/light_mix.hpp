@@ -19,7 +19,7 @@ namespace kasumi {
 class LightMix {
  public:
   // Takes the directions in which the pictures differ most (principal components, not centred) in each window.
-  void learn(const std::vector<RememberedPicture>& pictures, const Tone& tone);
+  void learn(const std::vector<RememberedFrame>& pictures, const Tone& tone);
   bool empty() const { return windows_.empty(); }
 
   // `light` of each cell; `sigma`: of a cell's usual difference without passers, in steps of 255; 0: unusable.
@@ -39,7 +39,7 @@ class LightMix {
     std::vector<float> scale;                        // of such a component, in all pictures
     std::vector<float> shares;                       // of each picture, as explained last
   };
-  Window window_of(int column, int row, int columns, int rows, const std::vector<RememberedPicture>& pictures) const;
+  Window window_of(int column, int row, int columns, int rows, const std::vector<RememberedFrame>& pictures) const;
   std::vector<float> fit(const Window& window, const std::vector<float>& before) const;
 
   std::vector<Window> windows_;  // the first is the whole part

@@ -19,7 +19,7 @@ std::uint8_t median_of_five(std::uint8_t a, std::uint8_t b, std::uint8_t c, std:
   return std::max(std::min(low, high), std::min(std::max(low, high), e));
 }
 
-Image<std::uint8_t> median(const std::vector<RememberedPicture>& of, Image<std::uint8_t> RememberedPicture::*plane) {
+Image<std::uint8_t> median(const std::vector<RememberedFrame>& of, Image<std::uint8_t> RememberedFrame::*plane) {
   Image<std::uint8_t> made = of[0].*plane;
   for (std::size_t i = 0; i < made.elements().size(); ++i) {
     const auto at = [&](std::size_t k) { return (of[k].*plane).elements()[i]; };
@@ -29,7 +29,7 @@ Image<std::uint8_t> median(const std::vector<RememberedPicture>& of, Image<std::
 }
 
 // How far two pictures are from each other under the exposure that makes them most alike, squared and relative.
-double apart2(const RememberedPicture& a, const RememberedPicture& b) {
+double apart2(const RememberedFrame& a, const RememberedFrame& b) {
   double aa = 0.0, ab = 0.0, bb = 0.0;
   for (std::size_t i = 0; i < a.light.elements().size(); i += 3) {
     const glm::dvec3 p(glm::sqrt(a.light.elements()[i])), q(glm::sqrt(b.light.elements()[i]));
@@ -49,7 +49,7 @@ glm::vec3 light_of_cell(const glm::vec3& yuv, const YuvToRgb& conversion, const 
   return tone.to_light(code);
 }
 
-bool SceneMemory::add(RememberedPicture picture, Duration apart, const PicturePart& part, const Tone& tone) {
+bool SceneMemory::add(RememberedFrame picture, Duration apart, const PicturePart& part, const Tone& tone) {
   const Instant now = picture.at;
   if (!recent_.empty() && (now < recent_.back().at || now - recent_.back().at > std::chrono::seconds(10)))
     recent_.clear();
@@ -57,11 +57,11 @@ bool SceneMemory::add(RememberedPicture picture, Duration apart, const PicturePa
   if (recent_.size() > kOfMedian) recent_.erase(recent_.begin());
   if (recent_.size() < kOfMedian) return false;
   if (!pictures_.empty() && now >= pictures_.back().at && now - pictures_.back().at < apart) return false;
-  RememberedPicture made;
+  RememberedFrame made;
   made.at = now;
-  made.luma = median(recent_, &RememberedPicture::luma);
-  made.blue = median(recent_, &RememberedPicture::blue);
-  made.red = median(recent_, &RememberedPicture::red);
+  made.luma = median(recent_, &RememberedFrame::luma);
+  made.blue = median(recent_, &RememberedFrame::blue);
+  made.red = median(recent_, &RememberedFrame::red);
   const Image<glm::vec3> cells = means_of_cells(made.luma, made.blue, made.red, part.place().cell_px);
   made.light = Image<glm::vec3>(cells.width(), cells.height());
   const YuvToRgb conversion = yuv_to_rgb(part.encoding());

@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-struct RememberedPicture {
+struct RememberedFrame {
   Instant at{};
   Image<std::uint8_t> luma, blue, red;
   Image<glm::vec3> light;  // of each cell, linear: R, G, B
@@ -32,13 +32,13 @@ class SceneMemory {
   }
   // `picture`: a wanted one, free of people. True when five have come and the last median is at least `apart` old: the
   // new median is remembered. Of too many an outdated one is forgotten, else the older of the two most similar.
-  bool add(RememberedPicture picture, Duration apart, const PicturePart& part, const Tone& tone);
+  bool add(RememberedFrame picture, Duration apart, const PicturePart& part, const Tone& tone);
 
-  const std::vector<RememberedPicture>& pictures() const { return pictures_; }
+  const std::vector<RememberedFrame>& pictures() const { return pictures_; }
 
  private:
   void make_room(Instant now);
-  std::vector<RememberedPicture> recent_, pictures_;
+  std::vector<RememberedFrame> recent_, pictures_;
 };
 
 // The means of a part's cells as linear light.

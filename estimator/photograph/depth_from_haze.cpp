@@ -22,7 +22,7 @@ Image<float> smallest_around(Image<float> values, int side) {
   return smallest;
 }
 
-Image<float> darkest_around(const Image<glm::vec3>& picture, const DepthFromHazeOptions& options) {
+Image<float> darkest_around(const Image<glm::vec3>& picture, const DepthParameters& options) {
   const int longer = std::max(picture.width(), picture.height());
   Image<float> least(picture.width(), picture.height());
   std::ranges::transform(picture.elements(), least.elements().begin(), [](const glm::vec3& v) {
@@ -67,7 +67,7 @@ double distance_of(const HazeCoefficients& haze, double optical_depth) {
 
 Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::vec3>& encoded,
                              const AttenuationNodes& nodes, ScatteringModel model, const AirState& air,
-                             const DepthFromHazeOptions& options) {
+                             const DepthParameters& options) {
   const int width = relative.width(), height = relative.height(), longer = std::max(width, height);
   const int radius = std::max(2, static_cast<int>(std::lround(options.window * longer)));
   const auto haze = guided_filter(encoded, darkest_around(relative, options), radius, 1e-3);
@@ -92,7 +92,7 @@ Image<float> depth_from_haze(const Image<glm::vec3>& relative, const Image<glm::
   return distance_m;
 }
 
-glm::dvec3 light_of_thickest_haze(const Image<glm::vec3>& light, const DepthFromHazeOptions& options) {
+glm::dvec3 light_of_thickest_haze(const Image<glm::vec3>& light, const DepthParameters& options) {
   const auto dark = darkest_around(light, options);
   std::vector<std::size_t> order(dark.elements().size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -110,7 +110,7 @@ glm::dvec3 light_of_thickest_haze(const Image<glm::vec3>& light, const DepthFrom
 }
 
 Image<glm::vec3> light_of_haze(const Image<glm::vec3>& light, const Image<glm::vec3>& encoded,
-                               const Image<std::uint8_t>& sky, const DepthFromHazeOptions& options) {
+                               const Image<std::uint8_t>& sky, const DepthParameters& options) {
   const int width = light.width(), height = light.height(), longer = std::max(width, height);
   const glm::vec3 thickest(light_of_thickest_haze(light, options));
   const auto texture = texture_of(encoded, std::max(3, longer / 60 | 1));

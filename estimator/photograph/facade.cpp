@@ -47,7 +47,7 @@ glm::dvec3 spread_of(const std::vector<Image<glm::vec3>>& pictures, const Image<
 
 }  // namespace
 
-glm::dvec3 FacadeSky::at(double row) const {
+glm::dvec3 FacadeBackdrop::at(double row) const {
   return glm::max(light + row * per_row, 0.01 * light);
 }
 
@@ -86,7 +86,7 @@ std::optional<Facade> measure_facade(const std::vector<const FacadeView*>& views
   return facade;
 }
 
-Image<glm::vec3> put_back(const Facade& facade, const FacadeSky& sky, const glm::dvec3& depth, double sunlit) {
+Image<glm::vec3> put_back(const Facade& facade, const FacadeBackdrop& sky, const glm::dvec3& depth, double sunlit) {
   Image<glm::vec3> drawn(facade.shade.width(), facade.shade.height());
   const auto gamma = glm::exp(-depth);
   for (int y = 0; y < drawn.height(); ++y) {

@@ -13,7 +13,7 @@
 namespace kasumi {
 
 // Light from infinity beside the building, row by row: the horizon brightens downwards.
-struct FacadeSky {
+struct FacadeBackdrop {
   glm::dvec3 light{0.0};            // linear, at row 0 of the facade
   glm::dvec3 per_row{0.0};          // and what a row adds
   glm::dvec3 variance{0.0};         // of `light`
@@ -22,7 +22,7 @@ struct FacadeSky {
 
 struct FacadeView {
   Image<glm::vec3> light;  // linear, of the facade's pixels; all views of one size
-  FacadeSky sky;
+  FacadeBackdrop sky;
   glm::dvec3 depth{0.0};        // optical depth of the air before it, by other landmarks
   glm::dvec3 depth_sigma{0.0};  // one standard deviation
   double sunlit = 0.0;          // cosine of the sun's incidence; 0: in the shade
@@ -48,7 +48,7 @@ struct FacadeNeeds {
 std::optional<Facade> measure_facade(const std::vector<const FacadeView*>& views, const FacadeNeeds& needs = {});
 
 // What the camera would see, linear, through air of that depth. Where `lit` is empty a sunlit facade is drawn in the shade.
-Image<glm::vec3> put_back(const Facade& facade, const FacadeSky& sky, const glm::dvec3& depth, double sunlit);
+Image<glm::vec3> put_back(const Facade& facade, const FacadeBackdrop& sky, const glm::dvec3& depth, double sunlit);
 
 // Of the drawn facade's mean light: by air, by the facade's own light, by the sky beside it. One standard deviation.
 glm::dvec3 put_back_sigma(const Facade& facade, const FacadeView& view);

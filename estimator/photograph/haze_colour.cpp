@@ -42,7 +42,7 @@ glm::dvec3 darkest_of(std::vector<glm::vec3>& pixels, double share) {
 }
 
 // L/Linf of the dark things of each place that shows no sky.
-Places dark_things(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky, const HazeColourOptions& options) {
+Places dark_things(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky, const HazeColourLimits& options) {
   const int longer = std::max(relative.width(), relative.height());
   const int side = std::max(4, static_cast<int>(std::lround(options.place * longer)));
   Places places;
@@ -167,7 +167,7 @@ Told mean_of(const std::vector<double>& exponents, const std::vector<double>& we
 }
 
 std::optional<Fit> fit_to(const Places& places, const glm::dvec3& wavelength_nm, const glm::dvec3& infinity,
-                          const HazeColourOptions& options) {
+                          const HazeColourLimits& options) {
   std::optional<Fit> best;
   double best_score = 0.0, exponent = 0.0, exponent_of_middle = 0.0;
   std::vector<double> by_slope, by_middle, scores;
@@ -220,7 +220,7 @@ std::optional<Fit> fit_to(const Places& places, const glm::dvec3& wavelength_nm,
 }  // namespace
 
 HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
-                       const glm::dvec3& wavelength_nm, const HazeColourOptions& options) {
+                       const glm::dvec3& wavelength_nm, const HazeColourLimits& options) {
   HazeColour found;
   const auto places = dark_things(relative, sky, options);
   found.places = static_cast<int>(log_contrasts(places, glm::dvec3(1.0), options.faintest).size());
@@ -310,7 +310,7 @@ HazyPicture hazy_picture(const Camera& camera, const Photograph& photograph) {
   return found;
 }
 
-HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourOptions options) {
+HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourLimits options) {
   if (!picture.from_sky) options.infinity *= kNoSky;
   return haze_colour(picture.relative, picture.sky, channel_wavelengths_nm(camera), options);
 }

@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-struct HazeColourOptions {
+struct HazeColourLimits {
   double place = 1.0 / 24.0;  // side of a place, of the picture's longer side
   double darkest = 0.05;      // share of a place's pixels that are taken for its dark things
   double faintest = 0.1;      // a place that keeps less than this of its contrast to infinity is left out
@@ -44,7 +44,7 @@ struct HazeColour {
 // balance cancel. `relative`: L/Linf, linear; `sky`: 255 where sky, or empty; `wavelength_nm`: of the channels.
 // Undetermined, with the reason: exponents of the channels that disagree, too little depth, too few places.
 HazeColour haze_colour(const Image<glm::vec3>& relative, const Image<std::uint8_t>& sky,
-                       const glm::dvec3& wavelength_nm, const HazeColourOptions& options = {});
+                       const glm::dvec3& wavelength_nm, const HazeColourLimits& options = {});
 
 // A photograph in units of its light from infinity: its low sky's, or where no sky is seen that of its thickest haze,
 // which is trusted less.
@@ -55,7 +55,7 @@ struct HazyPicture {
   bool from_sky = false;
 };
 HazyPicture hazy_picture(const Camera& camera, const Photograph& photograph);
-HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourOptions options = {});
+HazeColour haze_colour_of(const Camera& camera, const HazyPicture& picture, HazeColourLimits options = {});
 
 // Pixels of a picture.
 struct HazyPart {

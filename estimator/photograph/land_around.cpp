@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "calib/mask/guided_filter.hpp"
-#include "estimator/photograph/picture_paths.hpp"
+#include "estimator/photograph/path_transmittance.hpp"
 
 namespace kasumi {
 namespace {
@@ -22,10 +22,10 @@ const glm::vec3 kGuideWeights{0.3F, 0.6F, 0.1F};
 
 }  // namespace
 
-Image<glm::vec3> land_around(const Image<glm::vec3>& light, const PictureDepth& depth, const PictureAir& air,
-                             const AttenuationNodes& nodes, const LandAroundOptions& options) {
+Image<glm::vec3> land_around(const Image<glm::vec3>& light, const RetargetGeometry& depth, const RetargetAir& air,
+                             const AttenuationNodes& nodes, const LandAroundParameters& options) {
   const int width = light.width(), height = light.height(), longer = std::max(width, height);
-  const PicturePaths paths(nodes, options.scattering, air.state);
+  const PathTransmittance paths(nodes, options.scattering, air.state);
   float farthest_m = 1.0F;
   for (const float distance_m : depth.distance_m.elements()) farthest_m = std::max(farthest_m, distance_m);
   Image<glm::vec3> guide(width, height), own(width, height, glm::vec3{1.0F});

@@ -56,7 +56,7 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
   return horizon;
 }
 
-OtherAir::OtherAir(OtherAirOptions options)
+OtherAir::OtherAir(SourceConditions options)
     : options_(std::move(options)),
       scattering_(options_.scattering.value_or(options_.source.aerosol_known() ? ScatteringModel::aerosol
                                                                                : ScatteringModel::morales2017)),
@@ -151,7 +151,7 @@ Image<glm::vec3> OtherAir::targets(const std::optional<AirState>& target) const 
   auto light = source_.from_infinity;
   if (!options_.sun || air == options_.source) return light;
   const auto& camera = options_.camera;
-  DaylightOptions daylight;
+  DaylightConditions daylight;
   daylight.altitude_m = options_.altitude_m;
   const auto daylight_under = [&](const AirState& state) {
     daylight.model = sky_model_of(state);  // as for the airlight and the light on the land
@@ -174,7 +174,7 @@ Image<glm::vec3> OtherAir::targets(const std::optional<AirState>& target) const 
 
 UnderOtherAir OtherAir::under(const std::optional<AirState>& target) const {
   const auto& camera = options_.camera;
-  RetargetOptions retargeting;
+  RetargetLimits retargeting;
   retargeting.scattering = scattering_;
   retargeting.largest_gain = options_.largest_gain;
   retargeting.terms = options_.terms;

@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct OtherAirOptions {
+struct SourceConditions {
   Camera camera;  // of the pictures
   double altitude_m = 0.0;
   std::optional<SunDirection> sun;  // empty: nothing that depends on the sun is changed
@@ -36,7 +36,7 @@ struct OtherAirOptions {
   std::optional<ScatteringModel> scattering;  // empty: the aerosol's own where it is known, else morales2017
   bool relight = true;         // false: surfaces keep their light in units of the light from infinity, as in M Eq 25
   bool amplify_noise = false;  // treat noise as light of the scene
-  double largest_gain = RetargetOptions{}.largest_gain;
+  double largest_gain = RetargetLimits{}.largest_gain;
   bool terms = false;  // also give airlight and direct transmission apart
 };
 
@@ -57,7 +57,7 @@ Result<HorizonLight> horizon_of(const Camera& camera, const Photograph& photogra
 // One picture at a time; what depends only on the camera is kept.
 class OtherAir {
  public:
-  explicit OtherAir(OtherAirOptions options);
+  explicit OtherAir(SourceConditions options);
   // Sets the picture that the following calls of `under` change. Errors: bad_input (size, no horizon, no sky).
   Result<> set_picture(Photograph photograph, const std::string& name);
   // Nothing: without any air.
@@ -72,15 +72,15 @@ class OtherAir {
                                  const AirState& air) const;
   Image<glm::vec3> targets(const std::optional<AirState>& target) const;
 
-  OtherAirOptions options_;
+  SourceConditions options_;
   ScatteringModel scattering_;
   AttenuationNodes nodes_;
   Image<float> rise_;
   double quantum_ = 0.0;
   Image<glm::vec3> light_;
-  PictureDepth depth_;
-  PictureAir source_;
-  PictureParts parts_;
+  RetargetGeometry depth_;
+  RetargetAir source_;
+  RetargetHints parts_;
   std::optional<HorizonLight> horizon_;
 };
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "estimator/light/object_light.hpp"
-#include "estimator/photograph/picture_paths.hpp"
+#include "estimator/photograph/path_transmittance.hpp"
 
 namespace kasumi {
 namespace {
@@ -16,15 +16,15 @@ namespace {
 const glm::dvec3 kGreyWeights{0.3, 0.6, 0.1};
 
 // How one pixel changes from the source's air to the target's, all in units of the light from infinity.
-struct AirChange {
+struct RetargetChange {
   glm::dvec3 transmittance{1.0};  // Gamma_t
   glm::dvec3 ratio{1.0};          // of the source's light, Gamma_t / Gamma_s as far as it can be restored
   double share = 1.0;             // of the change, in logarithms
 };
 
-AirChange air_change(const LogSum& gamma_s, const LogSum& gamma_t, double largest_gain) {
+RetargetChange air_change(const LogSum& gamma_s, const LogSum& gamma_t, double largest_gain) {
   // Avoids e^(+800): anything so far beyond the limit is held there anyway.
-  AirChange change{
+  RetargetChange change{
       gamma_t.value(),
       glm::exp(glm::min(gamma_t.largest - gamma_s.largest, glm::dvec3{60.0})) * gamma_t.rest / gamma_s.rest, 1.0};
   if (const double gain = std::max({change.ratio.r, change.ratio.g, change.ratio.b}); gain > largest_gain) {
@@ -40,7 +40,7 @@ AirChange air_change(const LogSum& gamma_s, const LogSum& gamma_t, double larges
 // The light of surfaces under the target's light, as it arrives at the camera.
 class LightUnderTarget {
  public:
-  explicit LightUnderTarget(const RetargetOptions& options)
+  explicit LightUnderTarget(const RetargetLimits& options)
       : land_(options.relit.land),
         sunlit_contrast_(options.contrast_of_light * (options.relit.land - options.relit.sun)),
         least_(glm::min(options.relit.sun, options.relit.shade)),
@@ -61,10 +61,11 @@ class LightUnderTarget {
 
 }  // namespace
 
-Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, const PictureAir& source,
-                    const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options,
-                    const PictureParts& parts) {
-  const PicturePaths before(nodes, options.scattering, source.state), after(nodes, options.scattering, target.state);
+Retargeted retarget(const Image<glm::vec3>& light, const RetargetGeometry& depth, const RetargetAir& source,
+                    const RetargetAir& target, const AttenuationNodes& nodes, const RetargetLimits& options,
+                    const RetargetHints& parts) {
+  const PathTransmittance before(nodes, options.scattering, source.state),
+      after(nodes, options.scattering, target.state);
   const LightUnderTarget relit(options);
   Retargeted result{Image<glm::vec3>(light.width(), light.height()),
                     Image<std::uint8_t>(light.width(), light.height(), 255),
@@ -75,7 +76,7 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
     for (int x = 0; x < light.width(); ++x) {
       const auto from = glm::max(glm::dvec3(source.of(x, y)), glm::dvec3{1e-9}), to = glm::dvec3(target.of(x, y));
       const bool land = depth.distance_m.at(x, y) > 0.0F;
-      AirChange change;
+      RetargetChange change;
       if (land) {
         const auto path = depth.path(x, y);
         change = air_change(before.transmittance(path), after.transmittance(path), options.largest_gain);
@@ -110,8 +111,8 @@ Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, co
   return result;
 }
 
-SiteSkyModel sky_model_of(const AirState& air) {
-  return air.aerosol_known() ? SiteSkyModel::dome : SiteSkyModel::preetham;
+DaylightModel sky_model_of(const AirState& air) {
+  return air.aerosol_known() ? DaylightModel::dome : DaylightModel::preetham;
 }
 
 AirState clearest_like(const std::optional<AirState>& air) {
@@ -145,7 +146,7 @@ Relighting relighting(const Camera& camera, const std::optional<AirState>& sourc
   };
   const auto on_ground = [&](const std::optional<AirState>& air) {
     const AirState state = air.value_or(clearest_like(source ? source : target));
-    DaylightOptions options;
+    DaylightConditions options;
     options.altitude_m = altitude_m;
     options.model = sky_model_of(state);
     const Daylight daylight(camera, state, sun, options);

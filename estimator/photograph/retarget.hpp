@@ -14,7 +14,7 @@
 namespace kasumi {
 
 // The air a picture was taken under, or is to be shown under. Without a state: no air at all, the scene without haze.
-struct PictureAir {
+struct RetargetAir {
   std::optional<AirState> state;
   // Light from infinity in each pixel's direction, in the picture's channels and scale: at the picture's size, or one
   // pixel for all.
@@ -25,7 +25,7 @@ struct PictureAir {
 };
 
 // The geometry of the light paths.
-struct PictureDepth {
+struct RetargetGeometry {
   Image<float> distance_m;  // along each pixel's line of sight; 0: sky
   Image<float> rise;        // sine of the line's elevation; empty: all level
   double observer_altitude_m = 0.0;
@@ -44,12 +44,12 @@ struct Relighting {
 };
 
 // Optional further knowledge of a picture, the same for all targets. Empty: none.
-struct PictureParts {
+struct RetargetHints {
   Image<glm::vec3> clean;        // the picture without its noise (without_noise), linear: noise is not restored
   Image<glm::vec3> land_around;  // (land_around): distinguishes sunlit from shaded
 };
 
-struct RetargetOptions {
+struct RetargetLimits {
   ScatteringModel scattering = ScatteringModel::morales2017;
   Relighting relit;
   // How much of the contrast to the surroundings is sun and shade; the rest is the surfaces' reflectance. A picture
@@ -78,13 +78,13 @@ struct Retargeted {
 // with b half-way from k to relit.sun, the quotient of greys; limited to what sun and shade alone would give. With
 // `clean`: the picture's difference from it is kept at the brightness that camera noise would have at the new light
 // (its square is proportional to the light), or less.
-Retargeted retarget(const Image<glm::vec3>& light, const PictureDepth& depth, const PictureAir& source,
-                    const PictureAir& target, const AttenuationNodes& nodes, const RetargetOptions& options = {},
-                    const PictureParts& parts = {});
+Retargeted retarget(const Image<glm::vec3>& light, const RetargetGeometry& depth, const RetargetAir& source,
+                    const RetargetAir& target, const AttenuationNodes& nodes, const RetargetLimits& options = {},
+                    const RetargetHints& parts = {});
 
 // The sky of a photograph: the dome's where the aerosol is known; else T is the papers', and Preetham's is, at any
 // altitude: the dome's table ends long before that T does.
-SiteSkyModel sky_model_of(const AirState& air);
+DaylightModel sky_model_of(const AirState& air);
 // What stands for no air where a sky is needed: T 1.7, or molecules alone where the aerosol is known.
 AirState clearest_like(const std::optional<AirState>& air);
 

@@ -48,7 +48,7 @@ class TwoTerms {
 };
 
 // Light from all around at one altitude, without the sun's disc. Azimuths are from the sun's.
-struct LightAround {
+struct SurroundingPatches {
   struct Patch {
     Direction from;
     double share;  // of the sphere
@@ -71,11 +71,11 @@ struct LightAround {
   }
 };
 
-LightAround light_around_at(double altitude_m, const AirBetween& air, const sky_text::DomeSky& sky,
-                            const glm::dvec3& land, double cos_sun_zenith) {
+SurroundingPatches light_around_at(double altitude_m, const AirBetween& air, const sky_text::DomeSky& sky,
+                                   const glm::dvec3& land, double cos_sun_zenith) {
   // Even solid angles, 11 deg wide: the dome is smooth but for the aureole.
   constexpr int kRings = 16, kSectors = 20;
-  LightAround around;
+  SurroundingPatches around;
   for (int ring = 0; ring < kRings; ++ring)
     for (int sector = 0; sector < kSectors; ++sector) {
       const double z = (ring + 0.5) / kRings * 2.0 - 1.0;
@@ -106,7 +106,7 @@ Direction mirrored(double slope, Radians azimuth, double cos_sun_zenith) {
 
 }  // namespace
 
-Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at) {
+Departures departures_on_the_way(const DomeScene& scene, const DomeAtAltitude& sky_at) {
   const AirBetween air = air_between(scene);
   const double cos_sun_zenith = scene.sun.z;
   Departures departures;
@@ -138,14 +138,15 @@ Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky
   return departures;
 }
 
-LightFromBelow light_from_below(const SkyScene& scene, const SkyAtAltitude& sky_at, const glm::dvec3& land) {
+LightFromBelow light_from_below(const DomeScene& scene, const DomeAtAltitude& sky_at, const glm::dvec3& land) {
   constexpr std::array kSlopes{0.05, 0.15, 0.3, 0.5};  // the steepnesses that are tried; least squares choose
   constexpr int kPasses = 2;                           // the light from below itself passes this air
   AirBetween air = air_between(scene);
   for (int pass = 0; pass < kPasses; ++pass)
     for (int place = 0; place < 3; ++place) {
       const double altitude_m = altitude_on_the_way(0.5 * place, scene.lower_m, scene.higher_m);
-      const LightAround around = light_around_at(altitude_m, air, text_of(sky_at(altitude_m)), land, scene.sun.z);
+      const SurroundingPatches around =
+          light_around_at(altitude_m, air, text_of(sky_at(altitude_m)), land, scene.sun.z);
       TwoTerms terms;  // of onwards_share * (below + slope * below_steep), for least squares of relative light
       for (const double slope : kSlopes)
         for (const Radians azimuth : kAzimuths) {

@@ -12,18 +12,18 @@
 namespace kasumi {
 
 // The sky at an altitude, in the scene's colours.
-using SkyAtAltitude = std::function<DomeFunction(double altitude_m)>;
+using DomeAtAltitude = std::function<DomeFunction(double altitude_m)>;
 
-// SkyScene::departures and departures_sun. The scene must have the two skies and the air.
+// DomeScene::departures and departures_sun. The scene must have the two skies and the air.
 struct Departures {
   std::array<glm::dvec3, 4> even{}, sun{};
 };
-Departures departures_on_the_way(const SkyScene& scene, const SkyAtAltitude& sky_at);
+Departures departures_on_the_way(const DomeScene& scene, const DomeAtAltitude& sky_at);
 
-// SkyScene::below and below_steep, over plain land of the given light. The scene must have all the rest, haze included.
+// DomeScene::below and below_steep, over plain land of the given light. The scene must have all the rest, haze included.
 struct LightFromBelow {
   std::array<glm::dvec3, 3> even{}, steep{};
 };
-LightFromBelow light_from_below(const SkyScene& scene, const SkyAtAltitude& sky_at, const glm::dvec3& land);
+LightFromBelow light_from_below(const DomeScene& scene, const DomeAtAltitude& sky_at, const glm::dvec3& land);
 
 }  // namespace kasumi

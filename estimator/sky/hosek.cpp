@@ -44,7 +44,7 @@ double elevation_rad(const SunDirection& sun) {
 
 }  // namespace
 
-glm::dvec3 HosekClearSky::linear_srgb(double cos_zenith, double cos_sun_distance) const {
+glm::dvec3 HosekRadiance::linear_srgb(double cos_zenith, double cos_sun_distance) const {
   const SeenAt seen(cos_zenith, cos_sun_distance);
   return glm::dvec3(seen(colours_[0]), seen(colours_[1]), seen(colours_[2])) / kEyeWidth_nm;
 }
@@ -90,7 +90,7 @@ Result<HosekSky> HosekSky::read_file(const std::filesystem::path& file) {
   return sky;
 }
 
-HosekClearSky HosekSky::sky(Turbidity turbidity, double ground_albedo, const SunDirection& sun) const {
+HosekRadiance HosekSky::sky(Turbidity turbidity, double ground_albedo, const SunDirection& sun) const {
   std::array<HosekForm, 3> colours;
   for (int i = 0; i < 3; ++i)
     colours[static_cast<std::size_t>(i)] = rgb_.form(i, turbidity.value, ground_albedo, elevation_rad(sun));

@@ -22,9 +22,9 @@ struct HosekForm {
 };
 
 // Their sky for one turbidity, ground and sun; cheap to ask for many directions.
-class HosekClearSky {
+class HosekRadiance {
  public:
-  HosekClearSky(const std::array<HosekForm, 3>& colours, const SunDirection& sun) : colours_(colours), sun_(sun) {}
+  HosekRadiance(const std::array<HosekForm, 3>& colours, const SunDirection& sun) : colours_(colours), sun_(sun) {}
 
   // Linear sRGB in W m-2 sr-1 nm-1 (weighted by the eye's response); at and below the horizon that of the horizon.
   glm::dvec3 linear_srgb(const Direction& view) const { return linear_srgb(view.z, glm::dot(view, sun_)); }
@@ -46,7 +46,7 @@ class HosekSky {
   static Result<HosekSky> read_file(const std::filesystem::path& file);
 
   // T 1 to 10, albedo of the ground 0 to 1, the sun above the horizon; clamped.
-  HosekClearSky sky(Turbidity turbidity, double ground_albedo, const SunDirection& sun) const;
+  HosekRadiance sky(Turbidity turbidity, double ground_albedo, const SunDirection& sun) const;
   glm::dvec3 linear_srgb(Turbidity turbidity, double ground_albedo, const SunDirection& sun,
                          const Direction& view) const {
     return sky(turbidity, ground_albedo, sun).linear_srgb(view);

@@ -9,24 +9,24 @@
 
 namespace kasumi {
 
-std::string_view name_of(SiteSkyModel model) {
+std::string_view name_of(DaylightModel model) {
   switch (model) {
-    case SiteSkyModel::automatic: return "automatic";
-    case SiteSkyModel::preetham: return "preetham";
-    case SiteSkyModel::dome: return "dome";
+    case DaylightModel::automatic: return "automatic";
+    case DaylightModel::preetham: return "preetham";
+    case DaylightModel::dome: return "dome";
   }
   return "automatic";
 }
 
-std::optional<SiteSkyModel> site_sky_model_named(std::string_view name) {
-  for (const auto model : {SiteSkyModel::automatic, SiteSkyModel::preetham, SiteSkyModel::dome})
+std::optional<DaylightModel> daylight_model_named(std::string_view name) {
+  for (const auto model : {DaylightModel::automatic, DaylightModel::preetham, DaylightModel::dome})
     if (name == name_of(model)) return model;
   return std::nullopt;
 }
 
-SiteSkyModel resolved(SiteSkyModel model, double altitude_m, bool aerosol_known) {
-  if (model != SiteSkyModel::automatic) return model;
-  return aerosol_known || altitude_m > kHighestPreethamSite_m ? SiteSkyModel::dome : SiteSkyModel::preetham;
+DaylightModel resolved(DaylightModel model, double altitude_m, bool aerosol_known) {
+  if (model != DaylightModel::automatic) return model;
+  return aerosol_known || altitude_m > kHighestPreethamSite_m ? DaylightModel::dome : DaylightModel::preetham;
 }
 
 namespace {
@@ -40,12 +40,12 @@ double dome_share_under(const SunDirection& sun) {
 
 }  // namespace
 
-SiteSky::SiteSky(SiteSkyModel model, const AirState& air, const SunDirection& sun, double altitude_m) {
-  if (resolved(model, altitude_m, air.aerosol_known()) == SiteSkyModel::dome) {
+SiteSky::SiteSky(DaylightModel model, const AirState& air, const SunDirection& sun, double altitude_m) {
+  if (resolved(model, altitude_m, air.aerosol_known()) == DaylightModel::dome) {
     dome_share_ = 1.0;
   } else {
     preetham_.emplace(air.turbidity(), raised_to_horizon(sun));
-    if (model == SiteSkyModel::automatic) dome_share_ = dome_share_under(sun);
+    if (model == DaylightModel::automatic) dome_share_ = dome_share_under(sun);
   }
   if (dome_share_ <= 0.0) return;
   Dome dome{kasumi::dome(altitude_m, air.aerosol(), sun), 1.0, dome_sun(altitude_m, air.aerosol(), sun).illuminance};

@@ -11,7 +11,7 @@
 
 #include "estimator/given_air.hpp"
 #include "estimator/sky/dome.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 
 namespace kasumi {
 
@@ -19,19 +19,19 @@ class HosekSky;  // estimator/sky/hosek.hpp
 
 // automatic: the dome where the aerosol is known, and above kHighestPreethamSite_m; Preetham's elsewhere, with the dome
 // in its place under a low sun.
-enum class SiteSkyModel { automatic, preetham, dome };
-std::string_view name_of(SiteSkyModel model);
-std::optional<SiteSkyModel> site_sky_model_named(std::string_view name);
+enum class DaylightModel { automatic, preetham, dome };
+std::string_view name_of(DaylightModel model);
+std::optional<DaylightModel> daylight_model_named(std::string_view name);
 constexpr double kHighestPreethamSite_m = 1500.0;  // above, the dome is drawn (docs/physics.md 12)
-SiteSkyModel resolved(SiteSkyModel model, double altitude_m, bool aerosol_known = false);  // never automatic
+DaylightModel resolved(DaylightModel model, double altitude_m, bool aerosol_known = false);  // never automatic
 
 // Preetham's chromaticities turn olive under a low sun. Between these elevations his sky fades into the dome of the same
 // optical depth, so that nothing jumps.
 constexpr Radians kDomeAloneBelow = from_degrees(12.0), kPreethamAloneAbove = from_degrees(16.0);
 
 // The sky model that an estimate fits, and whose T it gives.
-struct SkyToFit {
-  SiteSkyModel model = SiteSkyModel::preetham;
+struct ModelToFit {
+  DaylightModel model = DaylightModel::preetham;
   double altitude_m = 0.0;  // of the observer; used by the dome
   // The dome's aerosol, of which only the amount is unknown; empty: the dome's usual one, T 1.7 to 10.
   std::optional<Aerosol> aerosol = std::nullopt;
@@ -44,9 +44,9 @@ struct SkyToFit {
 
 class SiteSky {
  public:
-  SiteSky(SkyModel sky) : preetham_(sky) {}  // NOLINT: a sky model is a clear sky
+  SiteSky(PreethamSky sky) : preetham_(sky) {}  // NOLINT: a sky model is a clear sky
   // The T of `air` is that of the model to which `model` resolves.
-  SiteSky(SiteSkyModel model, const AirState& air, const SunDirection& sun, double altitude_m);
+  SiteSky(DaylightModel model, const AirState& air, const SunDirection& sun, double altitude_m);
 
   // Light of the sky, CIE XYZ in units of the zenith's luminance. Finite, >= 0; at and below the horizon that of the
   // horizon: the level for Preetham's sky, the geometric horizon of the site's altitude for the dome.
@@ -58,7 +58,7 @@ class SiteSky {
   // The sunlight at the same level, on a plane facing the sun: CIE XYZ, lux.
   std::optional<glm::dvec3> sun_xyz() const;
   // Preetham's model, if that is the site's (even where the dome has its place under a low sun).
-  const SkyModel* preetham() const { return preetham_ ? &*preetham_ : nullptr; }
+  const PreethamSky* preetham() const { return preetham_ ? &*preetham_ : nullptr; }
 
  private:
   struct Dome {
@@ -66,7 +66,7 @@ class SiteSky {
     double zenith_cd_m2 = 1.0;
     glm::dvec3 sun_xyz{0.0};
   };
-  std::optional<SkyModel> preetham_;
+  std::optional<PreethamSky> preetham_;
   std::optional<Dome> dome_;
   double dome_share_ = 0.0;
 };

@@ -11,7 +11,7 @@
 #include "estimator/sky/air_on_the_way.hpp"
 #include "estimator/sky/dome.hpp"
 #include "estimator/sky/haze_scattering.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 
 namespace kasumi {
 namespace {
@@ -38,7 +38,7 @@ sky_text::OlderAir older_air(Turbidity turbidity, const SunDirection& sun, doubl
 
 sky_text::PerezSky perez_sky(Turbidity turbidity, const SunDirection& sun) {
   sky_text::PerezSky sky{};
-  const SkyModel model(turbidity, sun);
+  const PreethamSky model(turbidity, sun);
   sky.zenith = model.luminance_and_chromaticity({0.0, 0.0, 1.0}) * glm::dvec3(1000.0, 1.0, 1.0);
   int c = 0;
   for (const auto quantity : {PerezQuantity::luminance, PerezQuantity::x, PerezQuantity::y}) {
@@ -54,17 +54,17 @@ sky_text::PerezSky perez_sky(Turbidity turbidity, const SunDirection& sun) {
   return sky;
 }
 
-DomeFunction dome_in_srgb(double altitude_m, const SkyRequest& request) {
+DomeFunction dome_in_srgb(double altitude_m, const DomeRequest& request) {
   return in_space(dome(altitude_m, request.aerosol(), request.sun), xyz_to_linear_srgb());
 }
 
-LandLight land_light_at(double altitude_m, const DomeFunction& sky, const SkyRequest& request) {
-  SkyScene there;
+LandLight land_light_at(double altitude_m, const DomeFunction& sky, const DomeRequest& request) {
+  DomeScene there;
   there.sky = sky;
   there.sun = request.sun;
   const auto sun = dome_sun(altitude_m, request.aerosol(), request.sun);
   return {glm::max(xyz_to_linear_srgb() * glm::dvec3(sun.illuminance), 0.0),
-          glm::max(sky_sums(SkyPainter(there)).on_level_ground, 0.0)};
+          glm::max(sky_sums(DomePainter(there)).on_level_ground, 0.0)};
 }
 
 constexpr double kPlainAlbedo = 0.2;  // the reference atmosphere's
@@ -79,10 +79,10 @@ double exposure_for(double mean_luminance) {
   return kShown / (kDay_cd_m2 * std::pow(relative, kAdaptation));
 }
 
-SkySums sky_sums(const SkyPainter& painter) {
+HemisphereSums sky_sums(const DomePainter& painter) {
   // Cells of 7.5 deg of azimuth: sums over the sky, in which the aureole is no edge.
   constexpr int kRings = 24, kSectors = 48;
-  SkySums sums;
+  HemisphereSums sums;
   double log_sum = 0.0;
   for (int ring = 0; ring < kRings; ++ring)
     for (int sector = 0; sector < kSectors; ++sector) {
@@ -97,8 +97,8 @@ SkySums sky_sums(const SkyPainter& painter) {
   return sums;
 }
 
-SkyScene sky_scene(const SkyRequest& request) {
-  SkyScene scene;
+DomeScene sky_scene(const DomeRequest& request) {
+  DomeScene scene;
   scene.kind = request.kind;
   scene.altitude_m = request.altitude_m;
   scene.sun = request.sun;
@@ -126,7 +126,7 @@ SkyScene sky_scene(const SkyRequest& request) {
         xyz_to_linear_srgb() * glm::dvec3(dome_sun(request.altitude_m, request.aerosol(), request.sun).luminance), 0.0);
   scene.perez = perez_sky(request.turbidity, request.sun);
   scene.older = older_air(request.turbidity, request.sun, request.altitude_m);
-  scene.exposure = request.exposure ? *request.exposure : exposure_for(sky_sums(SkyPainter(scene)).mean_luminance);
+  scene.exposure = request.exposure ? *request.exposure : exposure_for(sky_sums(DomePainter(scene)).mean_luminance);
   scene.exposure *= std::exp2(request.exposure_ev);
   return scene;
 }

@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-struct SkyRequest {
+struct DomeRequest {
   SkyKind kind = SkyKind::dome;
   double altitude_m = 0.0;
   Turbidity turbidity{2.5};
@@ -26,14 +26,14 @@ struct SkyRequest {
 double exposure_for(double mean_luminance);
 
 // Exposed as the eye would: nearly, but not completely, adapted to the mean of the sky. Costs some milliseconds.
-SkyScene sky_scene(const SkyRequest& request);
+DomeScene sky_scene(const DomeRequest& request);
 
 // Light of the sky above the horizon: geometric mean of the luminance, cd/m2, and illuminance on level ground, linear
 // sRGB, lux.
-struct SkySums {
+struct HemisphereSums {
   double mean_luminance = 0.0;
   glm::dvec3 on_level_ground{0.0};
 };
-SkySums sky_sums(const SkyPainter& painter);
+HemisphereSums sky_sums(const DomePainter& painter);
 
 }  // namespace kasumi

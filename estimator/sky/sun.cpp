@@ -30,13 +30,13 @@ JulianDate julian_date(Utc utc) {
 
 }  // namespace
 
-AirAtSite standard_air(double altitude_m) {
+SurfaceWeather standard_air(double altitude_m) {
   const double kelvin = 288.15 - 0.0065 * altitude_m;
   return {1013.25 * std::pow(kelvin / 288.15, 5.25588), kelvin - 273.15, 0.5};
 }
 
-SunPosition sun_position(Utc utc, const Site& site, const std::optional<AirAtSite>& air) {
-  const AirAtSite a = air ? *air : standard_air(site.altitude_m);
+SunPosition sun_position(Utc utc, const Site& site, const std::optional<SurfaceWeather>& air) {
+  const SurfaceWeather a = air ? *air : standard_air(site.altitude_m);
   const JulianDate date = julian_date(utc);
   eraASTROM observer;
   double equation_of_origins = 0.0;

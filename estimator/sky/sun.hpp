@@ -11,13 +11,13 @@
 namespace kasumi {
 
 // The air at the observer; only refraction depends on it.
-struct AirAtSite {
+struct SurfaceWeather {
   double pressure_hpa = 1013.25;
   double temperature_c = 15.0;
   double relative_humidity = 0.5;  // 0..1
 };
 // International standard atmosphere at an altitude.
-AirAtSite standard_air(double altitude_m);
+SurfaceWeather standard_air(double altitude_m);
 
 struct SunPosition {
   Radians zenith;   // apparent: refraction included
@@ -29,6 +29,6 @@ struct SunPosition {
 // is 0.004 deg of hour angle. Refraction is ERFA's two-term model, good to arc seconds above 5 deg and to about 0.1 deg
 // at the horizon, where no estimate is made anyway. Without `air` the standard atmosphere at the site's altitude is
 // used.
-SunPosition sun_position(Utc utc, const Site& site, const std::optional<AirAtSite>& air = std::nullopt);
+SunPosition sun_position(Utc utc, const Site& site, const std::optional<SurfaceWeather>& air = std::nullopt);
 
 }  // namespace kasumi

@@ -66,7 +66,7 @@ double bisquare(double x) {
 }
 
 // Distance at which half of the surroundings are no longer clipped.
-double clipped_radius(const CoarseSky& sky, const std::vector<Spot>& spots, const Touching& plane) {
+double clipped_radius(const CoarseMaps& sky, const std::vector<Spot>& spots, const Touching& plane) {
   std::array<double, 80> clipped{}, all{};
   for (const Spot& spot : spots) {
     const auto ring = static_cast<std::size_t>(plane.seen(spot.direction).distance / sky.resolution.value);
@@ -102,7 +102,7 @@ float added_by_horizon(float cosine_of_zenith) {
 }
 
 // What is known of the sky within the widest reach of a direction; far from it every second row and column will do.
-std::vector<Spot> spots_around(const CoarseSky& sky, const SunDirection& direction, bool less_horizon) {
+std::vector<Spot> spots_around(const CoarseMaps& sky, const SunDirection& direction, bool less_horizon) {
   // The aureole is steep within 10 deg; farther out a quarter of the elements shows as much.
   constexpr int kThinning = 2;
   const auto dense = static_cast<float>(std::cos(from_degrees(10.0).value));
@@ -125,7 +125,7 @@ std::vector<Spot> spots_around(const CoarseSky& sky, const SunDirection& directi
 // The fit, one round after the other.
 class Fitting {
  public:
-  Fitting(const CoarseSky& sky, const SunDirection& start, const AureoleReach& limits)
+  Fitting(const CoarseMaps& sky, const SunDirection& start, const AureoleReach& limits)
       : sky_(sky),
         limits_(limits),
         element_(sky.resolution.value),
@@ -266,7 +266,7 @@ class Fitting {
     return (own + kFew) / (std::max(own, sky_.clipped_elements) + kFew);
   }
 
-  const CoarseSky& sky_;
+  const CoarseMaps& sky_;
   AureoleReach limits_;
   double element_;  // [rad]
   std::vector<Spot> spots_;
@@ -284,7 +284,7 @@ class Fitting {
 
 }  // namespace
 
-std::optional<AureoleFit> fit_aureole(const CoarseSky& sky, const SunDirection& start, const AureoleReach& limits) {
+std::optional<AureoleFit> fit_aureole(const CoarseMaps& sky, const SunDirection& start, const AureoleReach& limits) {
   // The reach shrinks with the rounds, so at least eight; then until a step is below .03 deg.
   constexpr int kMostRounds = 12, kLeastRounds = 8;
   Fitting fitting(sky, start, limits);

@@ -30,6 +30,6 @@ struct AureoleReach {
   bool held = false;          // the centre stays where it is
   bool less_horizon = false;  // without what a clear sky adds towards the horizon, which moves the centre there
 };
-std::optional<AureoleFit> fit_aureole(const CoarseSky& sky, const SunDirection& start, const AureoleReach& reach = {});
+std::optional<AureoleFit> fit_aureole(const CoarseMaps& sky, const SunDirection& start, const AureoleReach& reach = {});
 
 }  // namespace kasumi

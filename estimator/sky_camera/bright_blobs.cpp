@@ -234,8 +234,8 @@ std::optional<BrightBlob> blob_at(const SkyPicture& picture, const Camera& camer
 
 }  // namespace
 
-BrightSky bright_sky(const SkyPicture& picture, const Camera& camera, double saturated) {
-  BrightSky sky;
+BrightBlobs bright_sky(const SkyPicture& picture, const Camera& camera, double saturated) {
+  BrightBlobs sky;
   if (picture.encoded.empty()) return sky;
   const Levels levels = levels_of(picture, camera);
   sky.middle = levels.middle;

@@ -23,12 +23,12 @@ struct BrightBlob {
   double spread = 0.0;                    // of these levels, between their quartiles
 };
 
-struct BrightSky {
+struct BrightBlobs {
   std::vector<BrightBlob> blobs;
   double middle = 0.0;  // median level of the sky
 };
 
 // saturated: encoded level from which a channel is clipped. No blobs where the whole sky is dark.
-BrightSky bright_sky(const SkyPicture& picture, const Camera& camera, double saturated);
+BrightBlobs bright_sky(const SkyPicture& picture, const Camera& camera, double saturated);
 
 }  // namespace kasumi

@@ -22,7 +22,7 @@ GammaError gamma_error(const SpectralSensitivity& assumed, const SpectralSensiti
   return error;
 }
 
-std::vector<GammaError> leave_one_out(std::span<const SkyColour> colours, std::span<const glm::dvec2> left,
+std::vector<GammaError> leave_one_out(std::span<const DaylightColour> colours, std::span<const glm::dvec2> left,
                                       std::span<const SpectralSensitivity> cameras) {
   std::vector<GammaError> errors;
   if (cameras.size() < 3) return errors;

@@ -21,7 +21,7 @@ GammaError gamma_error(const SpectralSensitivity& assumed, const SpectralSensiti
 // The expected error of fit_sensitivity under these skies: each measured camera in turn is left out, simulated under
 // the same skies (plus `left`, the sky model's residuals) and estimated from the others. Empty with fewer than 3
 // cameras. One element per camera.
-std::vector<GammaError> leave_one_out(std::span<const SkyColour> colours, std::span<const glm::dvec2> left,
+std::vector<GammaError> leave_one_out(std::span<const DaylightColour> colours, std::span<const glm::dvec2> left,
                                       std::span<const SpectralSensitivity> cameras);
 
 }  // namespace kasumi

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 
 namespace kasumi {
 namespace {
@@ -19,9 +19,9 @@ struct Sum {
 
 }  // namespace
 
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& observation, const Camera& camera,
-                                   Turbidity turbidity, int number) {
-  const SkyModel model(turbidity, observation.estimate.sun);
+std::vector<DaylightColour> sky_colours(const SkyPicture& picture, const TurbidityObservation& observation,
+                                        const Camera& camera, Turbidity turbidity, int number) {
+  const PreethamSky model(turbidity, observation.estimate.sun);
   std::map<std::pair<int, int>, Sum> cells;
   for (int y = 0; y < observation.use.height(); ++y)
     for (int x = 0; x < observation.use.width(); ++x) {
@@ -42,7 +42,7 @@ std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservati
       sum.log_ratio += glm::dvec2{std::log(light.r / light.g), std::log(light.b / light.g)};
       ++sum.elements;
     }
-  std::vector<SkyColour> colours;
+  std::vector<DaylightColour> colours;
   for (const auto& [place, sum] : cells) {
     if (sum.elements < kLeastElements) continue;
     const double n = sum.elements;

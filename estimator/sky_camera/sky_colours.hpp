@@ -11,7 +11,7 @@ namespace kasumi {
 // Cells of about 6 by 6 deg of the sky that `observation` classified as clear: mean log ratios of the camera's linear
 // light (vignetting removed, white balance not), and the mean daylight weights of Preetham's chromaticities for this T
 // and sun. `number` is the picture's.
-std::vector<SkyColour> sky_colours(const SkyPicture& picture, const SkyObservation& observation, const Camera& camera,
-                                   Turbidity turbidity, int number);
+std::vector<DaylightColour> sky_colours(const SkyPicture& picture, const TurbidityObservation& observation,
+                                        const Camera& camera, Turbidity turbidity, int number);
 
 }  // namespace kasumi

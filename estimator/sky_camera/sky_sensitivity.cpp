@@ -10,13 +10,13 @@ namespace kasumi {
 namespace {
 
 struct Skies {
-  std::vector<SkyColour> colours;
+  std::vector<DaylightColour> colours;
   std::vector<double> turbidities;
   std::vector<std::string> refused;
 };
 
 // The colours of all skies that are clear enough, measured with the current estimate of the camera.
-Skies look_at(std::span<const SkyMoment> moments, const Camera& camera, const std::optional<double>& turbidity) {
+Skies look_at(std::span<const SunMoment> moments, const Camera& camera, const std::optional<double>& turbidity) {
   Skies skies;
   SkyObserver observer(camera);
   for (const auto& moment : moments) {
@@ -34,15 +34,17 @@ Skies look_at(std::span<const SkyMoment> moments, const Camera& camera, const st
   return skies;
 }
 
-std::vector<RankedCamera> rank(std::span<const SkyColour> colours, std::span<const SpectralSensitivity> cameras) {
-  std::vector<RankedCamera> ranked;
+std::vector<RankedSensitivity> rank(std::span<const DaylightColour> colours,
+                                    std::span<const SpectralSensitivity> cameras) {
+  std::vector<RankedSensitivity> ranked;
   for (std::size_t i = 0; i < cameras.size(); ++i) ranked.push_back({i, explain(colours, cameras[i])});
-  std::stable_sort(ranked.begin(), ranked.end(),
-                   [](const RankedCamera& a, const RankedCamera& b) { return a.residuals.rms < b.residuals.rms; });
+  std::stable_sort(ranked.begin(), ranked.end(), [](const RankedSensitivity& a, const RankedSensitivity& b) {
+    return a.residuals.rms < b.residuals.rms;
+  });
   return ranked;
 }
 
-double error_of_more_colourful_sky(const SensitivityFit& fit, std::vector<SkyColour> colours,
+double error_of_more_colourful_sky(const SensitivityFit& fit, std::vector<DaylightColour> colours,
                                    std::span<const SpectralSensitivity> cameras) {
   for (auto& colour : colours) {
     colour.spectrum.m1 *= 1.0 + kMoreColourful;
@@ -54,10 +56,10 @@ double error_of_more_colourful_sky(const SensitivityFit& fit, std::vector<SkyCol
 
 }  // namespace
 
-Result<SkySensitivity> sensitivity_from_sky(Camera camera, std::span<const SkyMoment> moments,
-                                            std::span<const SpectralSensitivity> cameras,
-                                            const SkySensitivityOptions& options) {
-  SkySensitivity found;
+Result<FoundSensitivity> sensitivity_from_sky(Camera camera, std::span<const SunMoment> moments,
+                                              std::span<const SpectralSensitivity> cameras,
+                                              const SensitivityRequest& options) {
+  FoundSensitivity found;
   Skies skies;
   constexpr int kRounds = 3;                        // T and sensitivity by turns
   camera.colour_space = Camera::ColourSpace::srgb;  // mostly green, a good enough luminance to begin with

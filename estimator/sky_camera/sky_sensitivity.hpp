@@ -9,25 +9,25 @@
 #include "base/result.hpp"
 #include "calib/colour/sensitivity_fit.hpp"
 #include "estimator/sky_camera/sensitivity_error.hpp"
-#include "estimator/sky_camera/sky_moment.hpp"
+#include "estimator/sky_camera/sun_moment.hpp"
 
 namespace kasumi {
 
-struct SkySensitivityOptions {
+struct SensitivityRequest {
   std::optional<double> turbidity{};  // known T of all the pictures; empty: each picture's own estimate
   bool choose = false;                // take the best of the measured cameras instead of a fit
 };
 
 // How well a measured camera explains the sky's colours.
-struct RankedCamera {
+struct RankedSensitivity {
   std::size_t camera = 0;  // index into the given cameras
   ColourResiduals residuals;
 };
 
-struct SkySensitivity {
-  SpectralSensitivity sensitivity;   // the result: the fit, or the best of the measured cameras
-  ColourResiduals residuals;         // of that result
-  std::vector<RankedCamera> ranked;  // best first
+struct FoundSensitivity {
+  SpectralSensitivity sensitivity;        // the result: the fit, or the best of the measured cameras
+  ColourResiduals residuals;              // of that result
+  std::vector<RankedSensitivity> ranked;  // best first
   std::optional<SensitivityFit> fit;
   std::size_t colours = 0;           // number of sky cells used
   std::vector<double> turbidities;   // of the pictures used
@@ -44,8 +44,8 @@ constexpr double kMoreColourful = 0.1;
 // supplies lens, orientation, response and vignetting; its colour description is ignored. `cameras`: the measured ones,
 // at least one; a fit needs two. Errors (bad_input): no picture shows a clear enough sky, at first or with the
 // sensitivity found; those of fit_sensitivity.
-Result<SkySensitivity> sensitivity_from_sky(Camera camera, std::span<const SkyMoment> moments,
-                                            std::span<const SpectralSensitivity> cameras,
-                                            const SkySensitivityOptions& options = {});
+Result<FoundSensitivity> sensitivity_from_sky(Camera camera, std::span<const SunMoment> moments,
+                                              std::span<const SpectralSensitivity> cameras,
+                                              const SensitivityRequest& options = {});
 
 }  // namespace kasumi

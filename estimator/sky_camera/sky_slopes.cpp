@@ -46,13 +46,13 @@ bool unmasked(const Camera& camera, const glm::dvec2& pixel) {
 }
 
 // What the slopes are taken of.
-struct LogLight {
+struct LogRadiance {
   Image<glm::vec3> log_light;
   Image<glm::u8vec3> usable;  // per channel
 };
 
 // Sobel's slopes of the channels that are usable in all nine elements; their mean.
-bool slope_at(const LogLight& light, int x, int y, glm::vec2& slope) {
+bool slope_at(const LogRadiance& light, int x, int y, glm::vec2& slope) {
   glm::vec2 sum{0.0f};
   int channels = 0;
   for (int c = 0; c < 3; ++c) {
@@ -71,7 +71,7 @@ bool slope_at(const LogLight& light, int x, int y, glm::vec2& slope) {
 }
 
 // From the picture's plane to the sphere, which the lens stretches.
-bool onto_sphere(const Image<glm::vec3>& direction, int x, int y, const glm::vec2& slope, SkySlope& out) {
+bool onto_sphere(const Image<glm::vec3>& direction, int x, int y, const glm::vec2& slope, BrightnessSlope& out) {
   const glm::vec3 along_x = 0.5f * (direction.at(x + 1, y) - direction.at(x - 1, y));
   const glm::vec3 along_y = 0.5f * (direction.at(x, y + 1) - direction.at(x, y - 1));
   const float xx = glm::dot(along_x, along_x), xy = glm::dot(along_x, along_y), yy = glm::dot(along_y, along_y);
@@ -87,17 +87,17 @@ bool onto_sphere(const Image<glm::vec3>& direction, int x, int y, const glm::vec
 
 }  // namespace
 
-CoarseSky coarse_sky(const SkyPicture& picture, const Camera& camera, double saturated) {
+CoarseMaps coarse_sky(const SkyPicture& picture, const Camera& camera, double saturated) {
   const auto& encoded = picture.encoded;
   const int block = std::max(1, (std::max(encoded.width(), encoded.height()) + kCoarseSide - 1) / kCoarseSide);
   const int width = encoded.width() / block, height = encoded.height() / block;
-  CoarseSky sky;
+  CoarseMaps sky;
   sky.shrink = block;
   sky.direction = Image<glm::vec3>(width, height);
   sky.dimmest = Image<float>(width, height);
   sky.open = Image<std::uint8_t>(width, height);
   sky.clipped = Image<std::uint8_t>(width, height);
-  LogLight light{Image<glm::vec3>(width, height), Image<glm::u8vec3>(width, height)};
+  LogRadiance light{Image<glm::vec3>(width, height), Image<glm::u8vec3>(width, height)};
   const LogTable table(camera.response);
   const auto clips = static_cast<float>(saturated);
   const float dark = kDarkestQuanta * static_cast<float>(picture.quantum);
@@ -141,7 +141,7 @@ CoarseSky coarse_sky(const SkyPicture& picture, const Camera& camera, double sat
   for (int y = 1; y + 1 < height; ++y)
     for (int x = 1; x + 1 < width; ++x) {
       glm::vec2 slope;
-      SkySlope out;
+      BrightnessSlope out;
       if (slope_at(light, x, y, slope) && onto_sphere(sky.direction, x, y, slope, out)) sky.slopes.push_back(out);
     }
   if (width < 8 || height < 8) return sky;
@@ -150,11 +150,11 @@ CoarseSky coarse_sky(const SkyPicture& picture, const Camera& camera, double sat
   return sky;
 }
 
-std::vector<glm::vec2> where_slopes_meet(const CoarseSky& sky, int most) {
+std::vector<glm::vec2> where_slopes_meet(const CoarseMaps& sky, int most) {
   const int width = sky.open.width(), height = sky.open.height();
   const int longest = static_cast<int>(from_degrees(35.0).value / std::max(1e-3, sky.resolution.value));
   cv::Mat1f votes(height, width, 0.0f);
-  for (const SkySlope& slope : sky.slopes) {
+  for (const BrightnessSlope& slope : sky.slopes) {
     const float s2 = slope.steepness * slope.steepness;
     const float trust = s2 / (s2 + kSlowSteepness * kSlowSteepness);
     if (trust < 0.3f) continue;

@@ -14,19 +14,19 @@
 namespace kasumi {
 
 // One element of the picture that is neither clipped nor dark, nor next to one that is.
-struct SkySlope {
+struct BrightnessSlope {
   float steepness = 0.0f;  // of ln light, 1/rad
   glm::vec2 place{};       // element
   glm::vec2 ahead{};       // uphill on the sphere, as a unit vector of the picture
 };
 
 // The picture shrunk, with what is known of its elements.
-struct CoarseSky {
+struct CoarseMaps {
   Image<glm::vec3> direction;   // world; zero where the lens does not reach
   Image<float> dimmest;         // ln light of the dimmest channel
   Image<std::uint8_t> open;     // above the horizon and not masked
   Image<std::uint8_t> clipped;  // open, and every channel is clipped somewhere in it
-  std::vector<SkySlope> slopes;
+  std::vector<BrightnessSlope> slopes;
   double middle = 0.0;            // median of `dimmest`
   double clipped_elements = 0.0;  // how many are
   double shrink = 1.0;            // picture elements per element
@@ -37,9 +37,9 @@ struct CoarseSky {
 };
 
 // saturated: encoded level from which a channel is clipped.
-CoarseSky coarse_sky(const SkyPicture& picture, const Camera& camera, double saturated);
+CoarseMaps coarse_sky(const SkyPicture& picture, const Camera& camera, double saturated);
 
 // Elements at which most slopes meet that point uphill to them, the best first.
-std::vector<glm::vec2> where_slopes_meet(const CoarseSky& sky, int most);
+std::vector<glm::vec2> where_slopes_meet(const CoarseMaps& sky, int most);
 
 }  // namespace kasumi

@@ -217,14 +217,14 @@ class Fit {
 // What stays the same over the rounds: the bare camera's light and the lens's centre.
 struct Bare {
   Camera camera;
-  std::optional<SkyGeometry> geometry;
+  std::optional<ElementGeometry> geometry;
   glm::dvec2 centre{};
 };
 
-Moment look_at(SkyObserver& observer, Bare& bare, const SkyMoment& seen, double radius_px,
-               const SkyVignettingOptions& options) {
+Moment look_at(SkyObserver& observer, Bare& bare, const SunMoment& seen, double radius_px,
+               const VignettingRequest& options) {
   // A lens whose vignetting is not known yet leaves larger residuals than a clear sky may.
-  EstimateOptions look_options;
+  EstimateParameters look_options;
   look_options.largest_log_residual = 0.4;
   look_options.least_agreement = 0.2;
   look_options.largest_relative_sigma = 1.0;
@@ -305,8 +305,8 @@ std::vector<glm::dvec2> profile_of(const Fit& fit, const Moment& moment, double 
 
 }  // namespace
 
-Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const SkyMoment> seen,
-                                          const SkyVignettingOptions& options) {
+Result<FoundVignetting> vignetting_from_sky(const Camera& camera, std::span<const SunMoment> seen,
+                                            const VignettingRequest& options) {
   if (seen.empty()) return fail(FaultKind::bad_input, "no sky picture to measure vignetting from");
   Bare bare{camera, std::nullopt, {}};
   bare.camera.vignetting = {};
@@ -317,7 +317,7 @@ Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const 
   if (!(radius_px > 1.0))
     return fail(FaultKind::bad_input, "the sky camera sees no sky: expected one that points upwards");
 
-  SkyVignetting result;
+  FoundVignetting result;
   result.vignetting = {bare.centre, radius_px, {}};
   std::vector<Moment> moments;
   Fit::Certainty certainty;

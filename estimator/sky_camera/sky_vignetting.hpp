@@ -10,7 +10,7 @@
 
 #include "base/result.hpp"
 #include "calib/camera.hpp"
-#include "estimator/sky_camera/sky_moment.hpp"
+#include "estimator/sky_camera/sun_moment.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 
 namespace kasumi {
@@ -20,7 +20,7 @@ struct KnownTurbidity {
   double value = 3.0, sigma = 0.2;
 };
 
-struct SkyVignettingOptions {
+struct VignettingRequest {
   std::optional<KnownTurbidity> turbidity{};  // empty: each picture's own is fitted along with the lens
   int samples = 3000;                         // per picture
   // Limits beyond which the result is refused: the standard deviation of the illumination at the rim, and, with T
@@ -30,14 +30,14 @@ struct SkyVignettingOptions {
 };
 
 // The result for one picture.
-struct SkyMomentUse {
+struct MomentUse {
   bool used = false;
   std::string reason;  // why it is not used
   Turbidity turbidity;
   std::vector<glm::dvec2> profile;  // (radius in px, measured illumination over the sky model's), medians of rings
 };
 
-struct SkyVignetting {
+struct FoundVignetting {
   Vignetting vignetting;  // about the lens's centre, out to the farthest sample
   // One standard deviation of the illumination at radius_px, relative: from the residuals' scatter, from a sky that
   // differs smoothly from the model as much as the residuals show, and from the uncertainty of T.
@@ -49,15 +49,15 @@ struct SkyVignetting {
   Radians sun_way;        // largest angle between the sun's positions in two pictures used
   double residual = 0.0;  // root mean square of ln(measured light / modelled)
   std::vector<double> residuals;
-  std::vector<SkyMomentUse> moments;  // in the given order
-  int pictures = 0;                   // used
+  std::vector<MomentUse> moments;  // in the given order
+  int pictures = 0;                // used
 };
 
 // `camera` supplies lens, orientation and response; its own vignetting is ignored. Each picture has its own exposure;
 // clouds are masked as for an estimate of T, and samples off by more than 4 robust standard deviations are left out.
 // Errors (bad_input): no picture shows enough clear sky; the pictures leave the vignetting undetermined, with by how
 // much (one picture, or the sun always in one place).
-Result<SkyVignetting> vignetting_from_sky(const Camera& camera, std::span<const SkyMoment> moments,
-                                          const SkyVignettingOptions& options = {});
+Result<FoundVignetting> vignetting_from_sky(const Camera& camera, std::span<const SunMoment> moments,
+                                            const VignettingRequest& options = {});
 
 }  // namespace kasumi

@@ -26,7 +26,7 @@ constexpr Radians kLowestDisc = from_degrees(10.0);  // elevation of a sharp one
 constexpr int kLargestBlobs = 3, kMeetings = 3;      // candidates of each sort; chosen: more cost time alone
 
 // Where the sun may be: the middles of the largest clipped areas, and where the sky's slopes meet.
-std::vector<SunDirection> likely_places(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera) {
+std::vector<SunDirection> likely_places(const CoarseMaps& sky, const SkyPicture& picture, const Camera& camera) {
   std::vector<SunDirection> places;
   const auto add = [&](const glm::dvec2& place) {
     const auto element = sky.picture_element(place);
@@ -110,7 +110,7 @@ SunBlob blob_of(const Looks& looks) {
 
 // The same, corrected for a clear sky's brightening towards the horizon, which moves either centre. Clouds follow no
 // such rule, so the correction is for smooth surroundings only. The classifier of suns was trained without it.
-SunDirection without_horizon(const Looks& looks, const CoarseSky& sky, const SunBlob& blob) {
+SunDirection without_horizon(const Looks& looks, const CoarseMaps& sky, const SunBlob& blob) {
   constexpr double kClear = 0.95;  // explained
   const AureoleFit& a = looks.aureole;
   if (a.explained < kClear || !cores_agree(looks)) return blob.direction;
@@ -147,8 +147,8 @@ double confidence_of(const Signs& signs) {
 }
 
 // Both looks at a place, or none.
-std::optional<Looks> look_at(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera,
-                             const SunDirection& place, const SunBlobOptions& options) {
+std::optional<Looks> look_at(const CoarseMaps& sky, const SkyPicture& picture, const Camera& camera,
+                             const SunDirection& place, const SunBlobLimits& options) {
   const auto aureole = fit_aureole(sky, place);
   if (!aureole || aureole->hole > options.largest_radius) return std::nullopt;
   Looks looks{*aureole, std::nullopt, {}, {}};
@@ -163,8 +163,8 @@ std::optional<Looks> look_at(const CoarseSky& sky, const SkyPicture& picture, co
 // A lens that hardly spreads its light leaves a small disc and no steep aureole, so that the sky around hardly locates
 // it; but nothing else is a round white spot in a sky that is smooth and brightest around it. Near the horizon the sky
 // is brightest everywhere, and walls and water are white.
-std::optional<SunBlob> sharp_disc(const CoarseSky& sky, const SkyPicture& picture, const Camera& camera,
-                                  const SunDirection& place, const SunBlobOptions& options) {
+std::optional<SunBlob> sharp_disc(const CoarseMaps& sky, const SkyPicture& picture, const Camera& camera,
+                                  const SunDirection& place, const SunBlobLimits& options) {
   const auto core = sun_core(picture, camera, place, from_degrees(4.0), options.saturated, kSharpRim);
   if (!core || core->level < options.saturated || core->radius > from_degrees(2.5) || core->roundness < 0.65 ||
       core->radius < from_degrees(0.5) || core->direction.z < std::sin(kLowestDisc.value))
@@ -181,8 +181,8 @@ std::optional<SunBlob> sharp_disc(const CoarseSky& sky, const SkyPicture& pictur
 
 }  // namespace
 
-std::optional<SunBlob> sun_by_aureole(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options) {
-  const CoarseSky sky = coarse_sky(picture, camera, options.saturated);
+std::optional<SunBlob> sun_by_aureole(const SkyPicture& picture, const Camera& camera, const SunBlobLimits& options) {
+  const CoarseMaps sky = coarse_sky(picture, camera, options.saturated);
   if (!(sky.resolution.value > 0.0)) return std::nullopt;
   struct Found : SunBlob {
     std::optional<Looks> looks;

@@ -43,7 +43,7 @@ SunDirection raised(const BrightBlob& blob) {
 // strangers' pictures of seven cameras, varied in size, exposure and crop, and on generated ones; each camera weighs
 // alike. No sign is followed beyond where most pictures lie: a sky that is darker than a third of the sun's level is no
 // better than that.
-double log_odds(const BrightBlob& blob, const BrightSky& sky) {
+double log_odds(const BrightBlob& blob, const BrightBlobs& sky) {
   // The radius of the largest other blob. Reflections, ghosts and water drops lie in darker surroundings than the sun.
   constexpr double kAsBrightAround = 0.8;
   double rival = 0.0;
@@ -63,8 +63,8 @@ double log_odds(const BrightBlob& blob, const BrightSky& sky) {
 
 }  // namespace
 
-std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options) {
-  const BrightSky sky = bright_sky(picture, camera, options.saturated);
+std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& camera, const SunBlobLimits& options) {
+  const BrightBlobs sky = bright_sky(picture, camera, options.saturated);
   SunBlob best;
   for (const BrightBlob& blob : sky.blobs) {
     if (blob.radius > options.largest_radius) continue;

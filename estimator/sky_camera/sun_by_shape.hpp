@@ -11,6 +11,6 @@
 namespace kasumi {
 
 // Empty where no bright area is likely enough: overcast, a cloud's white edge, too long an exposure.
-std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options);
+std::optional<SunBlob> sun_by_shape(const SkyPicture& picture, const Camera& camera, const SunBlobLimits& options);
 
 }  // namespace kasumi

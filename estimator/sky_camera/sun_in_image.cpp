@@ -7,7 +7,7 @@
 
 namespace kasumi {
 
-std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options) {
+std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobLimits& options) {
   if (picture.encoded.empty()) return std::nullopt;
   const auto by_aureole = sun_by_aureole(picture, camera, options);
   return by_aureole || !options.by_shape ? by_aureole : sun_by_shape(picture, camera, options);

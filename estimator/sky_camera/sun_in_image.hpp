@@ -23,7 +23,7 @@ struct SunBlob {
   Radians sigma;            // standard deviation along either axis, if it is the sun
 };
 
-struct SunBlobOptions {
+struct SunBlobLimits {
   double saturated = kSaturatedSun;  // encoded level that the dimmest channel must reach: the sun's core is white
   Radians largest_radius = from_degrees(25.0);           // larger: a bright cloud, or an overexposed sky
   double least_by_aureole = 0.85, least_by_shape = 0.7;  // confidence
@@ -35,7 +35,7 @@ struct SunBlobOptions {
 
 // By the sky around it where that finds the sun, since it is more precise; else, if asked for, by its shape. Empty
 // where neither does.
-std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobOptions& options = {});
+std::optional<SunBlob> find_sun(const SkyPicture& picture, const Camera& camera, const SunBlobLimits& options = {});
 
 // "+- 0.4 deg, 97 % sure"
 std::string how_sure(const SunBlob& blob);

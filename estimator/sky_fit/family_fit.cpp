@@ -22,14 +22,14 @@ constexpr double kDoubtfulShare = 0.07;
 constexpr double kGain = 5e-3;  // of the sum of squares, some hundred: steps that gain less are the last
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;
 
-SkyAmount moved(const SkyAmount& amount, const Eigen::Vector3d& step) {
+FamilyPoint moved(const FamilyPoint& amount, const Eigen::Vector3d& step) {
   return {amount.place + step[kPlace], amount.tilt + step[kTilt], amount.share + step[kShare]};
 }
 
 }  // namespace
 
 WhitenedFamily::WhitenedFamily(const SkyFamily& family, const FamilyTables& tables, std::span<const Direction> patches,
-                               const PartsOfLight& measured, const Unexplained& unexplained)
+                               const RadianceParts& measured, const Unexplained& unexplained)
     : family_(family),
       tables_(tables),
       patches_(patches),
@@ -56,26 +56,26 @@ Eigen::MatrixXd WhitenedFamily::whitened(const std::array<Eigen::MatrixXd, 3>& c
   return rows;
 }
 
-void WhitenedFamily::doubt_at(const SkyAmount& amount) {
+void WhitenedFamily::doubt_at(const FamilyPoint& amount) {
   if (doubts_.cols() > 0) brighter_ground_ = doubt_squares_.solve(doubts_.transpose() * left_at(amount))[0];
   doubts_ = whitened(family_.doubts(tables_, amount, patches_, brighter_ground_));
   doubt_squares_.compute(doubts_.transpose() * doubts_ +
                          counted_ * Eigen::MatrixXd::Identity(doubts_.cols(), doubts_.cols()));
 }
 
-Eigen::VectorXd WhitenedFamily::left_at(const SkyAmount& amount) const {
+Eigen::VectorXd WhitenedFamily::left_at(const FamilyPoint& amount) const {
   const auto light = family_.log_light(tables_, amount);
   return measured_ - whitened({light[0], light[1], light[2]});
 }
 
-double WhitenedFamily::sum_at(const SkyAmount& amount) const {
+double WhitenedFamily::sum_at(const FamilyPoint& amount) const {
   const Eigen::VectorXd left = left_at(amount);
   if (doubts_.cols() == 0) return left.squaredNorm();
   const Eigen::VectorXd along = doubts_.transpose() * left;
   return left.squaredNorm() - along.dot(doubt_squares_.solve(along));
 }
 
-WhitenedFamily::Squares WhitenedFamily::squares_at(const SkyAmount& amount) const {
+WhitenedFamily::Squares WhitenedFamily::squares_at(const FamilyPoint& amount) const {
   Squares squares;
   const Eigen::VectorXd left = left_at(amount);
   Eigen::MatrixXd slopes = whitened(family_.slopes(tables_, amount));
@@ -102,7 +102,7 @@ WhitenedFamily::OfUnknowns WhitenedFamily::slope_covariance(const Squares& squar
   return sum;
 }
 
-SkyAmount WhitenedFamily::kept(SkyAmount amount) const {
+FamilyPoint WhitenedFamily::kept(FamilyPoint amount) const {
   amount.place = is_free(kPlace) ? std::clamp(amount.place, 0.0, family_.nodes() - 1.0) : given_place_;
   amount.share = is_free(kShare) ? std::clamp(amount.share, 0.0, 1.0) : 0.0;
   const double own = family_.natural_exponent(amount.share);
@@ -113,7 +113,7 @@ SkyAmount WhitenedFamily::kept(SkyAmount amount) const {
   return amount;
 }
 
-double WhitenedFamily::prior(const SkyAmount& amount) const {
+double WhitenedFamily::prior(const FamilyPoint& amount) const {
   double sum = 0.0;
   if (is_free(kTilt) || is_free(kShare)) sum += square(amount.tilt / kSigmaTilt);
   if (is_free(kShare)) sum += square((amount.share - kMiddleShare) / kSigmaShare);
@@ -123,7 +123,7 @@ WhitenedFamily::Unknowns WhitenedFamily::stiffness() const {
   return {0.0, is_free(kTilt) ? counted_ / square(kSigmaTilt) : 0.0,
           is_free(kShare) ? counted_ / square(kSigmaShare) : 0.0};
 }
-WhitenedFamily::Unknowns WhitenedFamily::prior_slope(const SkyAmount& amount) const {
+WhitenedFamily::Unknowns WhitenedFamily::prior_slope(const FamilyPoint& amount) const {
   return stiffness().cwiseProduct(Unknowns(0.0, amount.tilt, amount.share - kMiddleShare));
 }
 
@@ -147,7 +147,7 @@ void WhitenedFamily::integrate(FamilyFit& fit, const OfUnknowns& width) const {
   Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
   const double top = family_.nodes() - 1.0;
   for (int k = -reach_of(kShare); k <= reach_of(kShare); ++k) {
-    SkyAmount amount;
+    FamilyPoint amount;
     amount.share = fit.best.share + step * root(0, 0) * k;
     if (is_free(kShare) && (amount.share < 0.0 || amount.share > 1.0)) continue;
     const double own = family_.natural_exponent(amount.share);
@@ -195,24 +195,24 @@ void WhitenedFamily::hold(const GivenAir& known) {
   given_place_ = family_.place_of(known.aod_550.value_or(0.0));
 }
 
-WhitenedFamily::Look WhitenedFamily::look(const GivenAir& known, std::span<const SkyAmount> places) {
+WhitenedFamily::Look WhitenedFamily::look(const GivenAir& known, std::span<const FamilyPoint> places) {
   hold(known);
   Look best{{}, std::numeric_limits<double>::infinity()};
-  for (const SkyAmount& place : places) {
-    const SkyAmount amount = kept(place);
+  for (const FamilyPoint& place : places) {
+    const FamilyPoint amount = kept(place);
     const double sum = sum_at(amount) + prior(amount);
     if (sum < best.sum) best = {amount, sum};
   }
   return best;
 }
 
-FamilyFit WhitenedFamily::fitted(const GivenAir& known, std::span<const SkyAmount> begin) {
+FamilyFit WhitenedFamily::fitted(const GivenAir& known, std::span<const FamilyPoint> begin) {
   // Preetham's and Hosek's, which alone may not be fitted again, have no doubts to lay out.
   const int layouts = family_.kind() ? 2 : 3;
   if (!begin.empty()) return settled(look(known, begin).amount, layouts);
-  std::vector<SkyAmount> everywhere, around;
+  std::vector<FamilyPoint> everywhere, around;
   for (int x = 0; x < family_.nodes(); ++x) everywhere.push_back({static_cast<double>(x), 0.0});
-  const SkyAmount best = look(known, everywhere).amount;
+  const FamilyPoint best = look(known, everywhere).amount;
   for (const double off : {0.0, -1.0, 1.0})
     for (const double tilt : {0.0, -0.4, 0.4})
       if (is_free(kTilt) || (off == 0.0 && tilt == 0.0)) around.push_back({best.place + off, tilt});
@@ -227,7 +227,7 @@ FamilyFit WhitenedFamily::fitted_again(const GivenAir& known, const FamilyFit& b
 }
 
 // Gauss and Newton's steps, each shortened until it helps; the doubts are laid out anew where they lead.
-FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
+FamilyFit WhitenedFamily::settled(const FamilyPoint& from, int layouts) {
   FamilyFit fit;
   fit.best = from;
   double least = 0.0;
@@ -249,7 +249,7 @@ FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
     double share = 1.0;
     better = false;
     for (; share > 0.05 && !better; share *= 0.4) {
-      const SkyAmount next = kept(moved(fit.best, share * step));
+      const FamilyPoint next = kept(moved(fit.best, share * step));
       const double sum = sum_at(next) + prior(next);
       if (sum >= least) continue;
       better = least - sum > kGain;
@@ -276,13 +276,13 @@ FamilyFit WhitenedFamily::settled(const SkyAmount& from, int layouts) {
   return fit;
 }
 
-PartsOfLight residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const SkyPatch> patches,
-                          const FamilyTables& tables) {
-  PartsOfLight residuals = parts_of(patches);
+RadianceParts residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const ReadingPatch> patches,
+                           const FamilyTables& tables) {
+  RadianceParts residuals = parts_of(patches);
   std::vector<Direction> directions;
-  for (const SkyPatch& patch : patches) directions.push_back(patch.direction);
+  for (const ReadingPatch& patch : patches) directions.push_back(patch.direction);
   auto light = family.log_light(tables, fit.best);
-  const DoubtsOfLight doubts = family.doubts(tables, fit.best, directions, fit.brighter_ground);
+  const RadianceDoubts doubts = family.doubts(tables, fit.best, directions, fit.brighter_ground);
   for (std::size_t c = 0; c < 3; ++c) light[c] += doubts[c] * fit.doubts;
   for (std::size_t p = 0; p < kLightParts; ++p)
     for (std::size_t c = 0; c < 3; ++c) residuals[p] -= kPartsOfChannels[p][c] * light[c];

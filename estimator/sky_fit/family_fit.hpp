@@ -8,7 +8,7 @@
 namespace kasumi {
 
 struct FamilyFit {
-  SkyAmount best;
+  FamilyPoint best;
   double squares = 0.0;                            // of the whitened residuals at the best
   std::array<double, kLightParts> part_squares{};  // of each part
   double brighter_ground = 0.0;                    // about which the doubts were laid out
@@ -24,16 +24,16 @@ struct FamilyFit {
 class WhitenedFamily {
  public:
   WhitenedFamily(const SkyFamily& family, const FamilyTables& tables, std::span<const Direction> patches,
-                 const PartsOfLight& measured, const Unexplained& unexplained);
+                 const RadianceParts& measured, const Unexplained& unexplained);
 
   // The nearest of some places, the doubts not asked.
   struct Look {
-    SkyAmount amount;
+    FamilyPoint amount;
     double sum = 0.0;  // of squares, the prior included
   };
-  Look look(const GivenAir& known, std::span<const SkyAmount> places);
+  Look look(const GivenAir& known, std::span<const FamilyPoint> places);
   // `known`: what is given of the aerosol. Searches the whole range first, or starts at `begin`.
-  FamilyFit fitted(const GivenAir& known, std::span<const SkyAmount> begin = {});
+  FamilyFit fitted(const GivenAir& known, std::span<const FamilyPoint> begin = {});
   // From what was found when errors were weighed otherwise.
   FamilyFit fitted_again(const GivenAir& known, const FamilyFit& before);
 
@@ -50,21 +50,21 @@ class WhitenedFamily {
     OfUnknowns curvature;    // of that
   };
   Eigen::MatrixXd whitened(const std::array<Eigen::MatrixXd, 3>& channels) const;
-  Eigen::VectorXd left_at(const SkyAmount& amount) const;
-  double sum_at(const SkyAmount& amount) const;
-  Squares squares_at(const SkyAmount& amount) const;
+  Eigen::VectorXd left_at(const FamilyPoint& amount) const;
+  double sum_at(const FamilyPoint& amount) const;
+  Squares squares_at(const FamilyPoint& amount) const;
   OfUnknowns slope_covariance(const Squares& squares) const;  // under the assumed error model
-  void doubt_at(const SkyAmount& amount);
+  void doubt_at(const FamilyPoint& amount);
   void hold(const GivenAir& known);
-  FamilyFit settled(const SkyAmount& from, int layouts);
+  FamilyFit settled(const FamilyPoint& from, int layouts);
   void integrate(FamilyFit& fit, const OfUnknowns& width) const;
 
   // What is held: a number that is given, or that the family has not.
   bool is_free(int unknown) const { return free_[static_cast<std::size_t>(unknown)]; }
-  SkyAmount kept(SkyAmount amount) const;
+  FamilyPoint kept(FamilyPoint amount) const;
   // Half of it is the prior of tilt and share, and its derivative.
-  double prior(const SkyAmount& amount) const;
-  Unknowns prior_slope(const SkyAmount& amount) const;
+  double prior(const FamilyPoint& amount) const;
+  Unknowns prior_slope(const FamilyPoint& amount) const;
   Unknowns stiffness() const;
 
   const SkyFamily& family_;
@@ -82,7 +82,7 @@ class WhitenedFamily {
 };
 
 // ln(measured / model) at the patches, part by part, no gain taken; the family's doubts are.
-PartsOfLight residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const SkyPatch> patches,
-                          const FamilyTables& tables);
+RadianceParts residuals_of(const SkyFamily& family, const FamilyFit& fit, std::span<const ReadingPatch> patches,
+                           const FamilyTables& tables);
 
 }  // namespace kasumi

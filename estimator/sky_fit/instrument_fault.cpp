@@ -121,7 +121,7 @@ FaultFinding find_fault(std::span<const SkyReading> all_readings, const SunDirec
   std::array<Hypothesis, kFaults.size()> faults;
   auto& [tone_curve, colours, vignetting, glare] = faults;
   double left_by_two = std::numeric_limits<double>::infinity();
-  for (const KnownSky& sky : known_skies(readings, sun, altitude_m)) {
+  for (const KnownRadiance& sky : known_skies(readings, sun, altitude_m)) {
     const auto light = [&](std::size_t i) { return sky.log_light[i]; };
     const OneNumber tone = one_number(n, light, [&](std::size_t i) { return read[i]; });
     none.add(1.0, tone.residual(1.0), sky.aod_550);

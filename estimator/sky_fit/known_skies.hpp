@@ -12,13 +12,14 @@
 
 namespace kasumi {
 
-struct KnownSky {
+struct KnownRadiance {
   double aod_550 = 0.0;
   std::vector<glm::dvec3> log_light;  // of each reading: linear sRGB, any unit
 };
 
 // Preetham's of T 2 to 8, and the dome's of four kinds and two blends and an optical depth of 0 to 1.3.
-std::vector<KnownSky> known_skies(std::span<const SkyReading> readings, const SunDirection& sun, double altitude_m);
+std::vector<KnownRadiance> known_skies(std::span<const SkyReading> readings, const SunDirection& sun,
+                                       double altitude_m);
 
 // At most `count` of the readings, evenly.
 std::vector<SkyReading> thinned(std::span<const SkyReading> readings, std::size_t count);

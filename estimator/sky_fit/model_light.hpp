@@ -11,7 +11,7 @@
 namespace kasumi {
 
 // Linear sRGB from a direction above the horizon, in a unit of the model's own. `sky`: as it was given to fit_sky().
-std::function<glm::dvec3(const Direction&)> light_of(const SkyModelFit& model, const SunDirection& sun,
-                                                     const SkyToFit& sky);
+std::function<glm::dvec3(const Direction&)> light_of(const ModelFit& model, const SunDirection& sun,
+                                                     const ModelToFit& sky);
 
 }  // namespace kasumi

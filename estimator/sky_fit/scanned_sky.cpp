@@ -96,27 +96,27 @@ double grey_error(std::span<const SkyReading> readings) {
 }
 
 // The model that is followed: of the likeliest family the likeliest.
-const SkyModelFit& followed(const SkyFit& fit) {
+const ModelFit& followed(const SkyFit& fit) {
   const bool papers = fit.found.papers_share > 0.5;
-  const auto of_family = [&](const SkyModelFit& model) { return papers == (model.answer.name == "preetham"); };
+  const auto of_family = [&](const ModelFit& model) { return papers == (model.answer.name == "preetham"); };
   const auto first = std::find_if(fit.models.begin(), fit.models.end(), of_family);
   return first != fit.models.end() ? *first : fit.models.front();
 }
 
-SkyToFit sky_followed(const SkyFit& fit, SkyToFit sky) {
+ModelToFit sky_followed(const SkyFit& fit, ModelToFit sky) {
   if (!sky.every_model) return sky;
   const bool papers = fit.found.papers_share > 0.5;
-  sky.model = papers ? SiteSkyModel::preetham : SiteSkyModel::dome;
+  sky.model = papers ? DaylightModel::preetham : DaylightModel::dome;
   sky.aerosol = papers ? std::nullopt : std::optional(fit.found.aerosol);
   return sky;
 }
 
-TurbidityEstimate scan_answer(const SkyFit& fit, const SkyToFit& sky) {
+TurbidityEstimate scan_answer(const SkyFit& fit, const ModelToFit& sky) {
   TurbidityEstimate estimate;
   estimate.turbidity = fit.turbidity;
   estimate.sigma = fit.sigma_turbidity;
   estimate.log_residual = fit.log_residual;
-  if (sky.every_model || sky.model != SiteSkyModel::preetham) estimate.found = fit.found;
+  if (sky.every_model || sky.model != DaylightModel::preetham) estimate.found = fit.found;
   if (fit.models.size() > 1)
     for (const auto& model : fit.models) estimate.models.push_back(model.answer);
   return estimate;
@@ -147,7 +147,7 @@ struct Fitted {
   std::ptrdiff_t close = 0;  // how many of them lie near the model
 };
 Fitted fitted_from(std::vector<std::uint8_t> begin, std::span<const SkyReading> readings,
-                   const std::vector<std::uint8_t>& looked_at, const SunDirection& sun, const SkyToFit& sky,
+                   const std::vector<std::uint8_t>& looked_at, const SunDirection& sun, const ModelToFit& sky,
                    const InstrumentDoubt& scanner) {
   Fitted result;
   result.used = std::move(begin);
@@ -170,7 +170,7 @@ Fitted fitted_from(std::vector<std::uint8_t> begin, std::span<const SkyReading> 
 
 }  // namespace
 
-ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
+ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
                                 const InstrumentDoubt& scanner) {
   ScanEstimate result;
   result.sky = sky;

@@ -19,13 +19,13 @@ constexpr Radians kLowestScan = from_degrees(5.0);  // elevation
 
 struct ScanEstimate {
   TurbidityEstimate estimate;      // its samples: directions
-  SkyToFit sky;                    // the model to which T belongs
+  ModelToFit sky;                  // the model to which T belongs
   std::vector<std::uint8_t> used;  // by reading: it agrees with that model
 };
 
 // `sun`: high enough for a fit. Single bad directions and clouds are recognised by their residuals under the likeliest
 // model.
-ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
+ScanEstimate estimate_from_scan(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
                                 const InstrumentDoubt& scanner);
 
 }  // namespace kasumi

@@ -33,7 +33,7 @@ double lobe_slope(double asymmetry, double cosine) {
 
 }  // namespace
 
-glm::dvec3 light_on_ground(const LightOfSky& sky, const glm::dvec3& sun_illuminance, const SunDirection& sun) {
+glm::dvec3 light_on_ground(const RadianceField& sky, const glm::dvec3& sun_illuminance, const SunDirection& sun) {
   constexpr int kRings = 5, kSectors = 6;  // 30 directions: the ground's light is needed to a few per cent
   glm::dvec3 sum = std::max(0.0, sun.z) * sun_illuminance;
   const double azimuth = azimuth_angle(sun).value;
@@ -45,9 +45,9 @@ glm::dvec3 light_on_ground(const LightOfSky& sky, const glm::dvec3& sun_illumina
   return sum;
 }
 
-DoubtsOfLight sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDirection& sun,
-                         std::span<const Direction> directions, const std::array<Eigen::VectorXd, 3>& log_light,
-                         const glm::dvec3& on_ground, double brighter_ground) {
+RadianceDoubts sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDirection& sun,
+                          std::span<const Direction> directions, const std::array<Eigen::VectorXd, 3>& log_light,
+                          const glm::dvec3& on_ground, double brighter_ground) {
   const GroundGlow brighter(aerosol, altitude_m, kDomeGroundAlbedo + kSigmaGround, on_ground, kGlowChannels_nm);
   const double deviations = std::max(brighter_ground, -1.0);
   const auto haze = haze_scattering(aerosol);
@@ -59,7 +59,7 @@ DoubtsOfLight sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDir
     scattering[c] =
         optical_depth(aerosol, nm) * std::exp(-altitude_m / kAerosolHeight_m) * static_cast<double>(haze.albedo[c]);
   }
-  DoubtsOfLight doubts;
+  RadianceDoubts doubts;
   for (auto& channel : doubts) channel.resize(static_cast<Eigen::Index>(directions.size()), kSkyDoubts);
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);

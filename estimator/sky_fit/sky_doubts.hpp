@@ -10,7 +10,7 @@
 
 #include "base/aerosol.hpp"
 #include "estimator/atmosphere.hpp"
-#include "estimator/sky_fit/sky_patches.hpp"
+#include "estimator/sky_fit/reading_patches.hpp"
 
 namespace kasumi {
 
@@ -18,15 +18,15 @@ constexpr int kSkyDoubts = 2;         // the ground's albedo, and the mean cosin
 constexpr double kSigmaGround = 0.2;  // of its albedo; the first doubt
 // By how much ln light changes for one standard deviation of each, [place of the sky][doubt], for each channel of
 // linear sRGB.
-using DoubtsOfLight = std::array<Eigen::MatrixXd, 3>;
+using RadianceDoubts = std::array<Eigen::MatrixXd, 3>;
 
 // What falls on level ground, linear sRGB, lux, where the sky has the light in cd/m2.
-glm::dvec3 light_on_ground(const LightOfSky& sky, const glm::dvec3& sun_illuminance, const SunDirection& sun);
+glm::dvec3 light_on_ground(const RadianceField& sky, const glm::dvec3& sun_illuminance, const SunDirection& sun);
 
 // `log_light`: ln of the sky's light, cd/m2, at the directions, for each channel. `brighter_ground`: about which number
 // of standard deviations, since what snow sends up is no small part of the light.
-DoubtsOfLight sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDirection& sun,
-                         std::span<const Direction> directions, const std::array<Eigen::VectorXd, 3>& log_light,
-                         const glm::dvec3& on_ground, double brighter_ground);
+RadianceDoubts sky_doubts(const Aerosol& aerosol, double altitude_m, const SunDirection& sun,
+                          std::span<const Direction> directions, const std::array<Eigen::VectorXd, 3>& log_light,
+                          const glm::dvec3& on_ground, double brighter_ground);
 
 }  // namespace kasumi

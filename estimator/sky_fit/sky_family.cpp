@@ -101,14 +101,14 @@ double SkyFamily::natural_exponent(double share) const {
   return other_ ? kasumi::natural_exponent(*kind_, *other_, share) : kasumi::natural_exponent(*kind_);
 }
 
-Aerosol SkyFamily::aerosol_at(const SkyAmount& amount, double natural_exponent) const {
+Aerosol SkyFamily::aerosol_at(const FamilyPoint& amount, double natural_exponent) const {
   if (form_ != Form::dome) return aerosol_of(amount_at(amount.place));
   const double exponent = natural_exponent + amount.tilt;
   if (!other_) return {amount_at(amount.place), exponent, *kind_};
   return {amount_at(amount.place), exponent, *kind_, *other_, amount.share};
 }
 
-Turbidity SkyFamily::turbidity_of(const SkyAmount& amount, const Aerosol& aerosol) const {
+Turbidity SkyFamily::turbidity_of(const FamilyPoint& amount, const Aerosol& aerosol) const {
   return {form_ == Form::dome ? kasumi::turbidity_of(aerosol) : amount_at(amount.place)};
 }
 
@@ -117,14 +117,14 @@ double SkyFamily::place_of(double aod_550) const {
   return std::clamp((std::log(known + shift_) - first_) / step_, 0.0, nodes_ - 1.0);
 }
 
-LightOfSky SkyFamily::light(const SkyAmount& amount) const {
+RadianceField SkyFamily::light(const FamilyPoint& amount) const {
   if (form_ == Form::dome)
     return [sky = dome_in_srgb(altitude_m_, aerosol_at(amount), sun_)](const Direction& view) {
       return dome_light(sky, view);
     };
   const Turbidity turbidity{amount_at(amount.place)};
   if (form_ == Form::preetham)
-    return [sky = SkyModel(turbidity, sun_), to_srgb = xyz_to_linear_srgb()](const Direction& view) {
+    return [sky = PreethamSky(turbidity, sun_), to_srgb = xyz_to_linear_srgb()](const Direction& view) {
       return to_srgb * sky.relative_xyz(view);
     };
   return [sky = hosek_->sky(turbidity, kHosekGround, sun_)](const Direction& view) { return sky.linear_srgb(view); };
@@ -155,7 +155,7 @@ LightTable SkyFamily::log_light(std::span<const Direction> directions) const {
     return table;
   }
   for (int k = 0; k < nodes_; ++k) {
-    const LightOfSky at = light({static_cast<double>(k), 0.0});
+    const RadianceField at = light({static_cast<double>(k), 0.0});
     for (Eigen::Index i = 0; i < rows; ++i) {
       const glm::dvec3 rgb = at(directions[static_cast<std::size_t>(i)]);
       for (int c = 0; c < 3; ++c) table[static_cast<std::size_t>(c)](i, k) = std::log(std::max(rgb[c], kDarkestLight));
@@ -164,7 +164,7 @@ LightTable SkyFamily::log_light(std::span<const Direction> directions) const {
   return table;
 }
 
-std::array<SkyFamily::Tap, 2> SkyFamily::taps(std::size_t channel, const SkyAmount& amount) const {
+std::array<SkyFamily::Tap, 2> SkyFamily::taps(std::size_t channel, const FamilyPoint& amount) const {
   Tap one, other;
   one.place = amount.place;
   if (form_ != Form::dome) return {one, other};
@@ -188,7 +188,7 @@ std::array<SkyFamily::Tap, 2> SkyFamily::taps(std::size_t channel, const SkyAmou
   return {one, other};
 }
 
-std::array<Eigen::VectorXd, 3> SkyFamily::log_light(const FamilyTables& tables, const SkyAmount& amount) const {
+std::array<Eigen::VectorXd, 3> SkyFamily::log_light(const FamilyTables& tables, const FamilyPoint& amount) const {
   std::array<Eigen::VectorXd, 3> light;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto [one, other] = taps(c, amount);
@@ -203,7 +203,7 @@ std::array<Eigen::VectorXd, 3> SkyFamily::log_light(const FamilyTables& tables, 
   return light;
 }
 
-std::array<Eigen::MatrixXd, 3> SkyFamily::slopes(const FamilyTables& tables, const SkyAmount& amount) const {
+std::array<Eigen::MatrixXd, 3> SkyFamily::slopes(const FamilyTables& tables, const FamilyPoint& amount) const {
   std::array<Eigen::MatrixXd, 3> slopes;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto both = taps(c, amount);
@@ -231,12 +231,12 @@ std::array<Eigen::MatrixXd, 3> SkyFamily::slopes(const FamilyTables& tables, con
   return slopes;
 }
 
-DoubtsOfLight SkyFamily::doubts(const FamilyTables& tables, const SkyAmount& amount,
-                                std::span<const Direction> directions, double brighter_ground) const {
+RadianceDoubts SkyFamily::doubts(const FamilyTables& tables, const FamilyPoint& amount,
+                                 std::span<const Direction> directions, double brighter_ground) const {
   if (form_ == Form::dome)
     return sky_doubts(aerosol_at(amount), altitude_m_, sun_, directions, log_light(tables, amount), on_ground_,
                       brighter_ground);
-  DoubtsOfLight none;
+  RadianceDoubts none;
   none.fill(Eigen::MatrixXd(static_cast<Eigen::Index>(directions.size()), 0));
   return none;
 }

@@ -11,8 +11,8 @@
 
 #include "estimator/atmosphere.hpp"
 #include "estimator/sky/site_sky.hpp"
+#include "estimator/sky_fit/reading_patches.hpp"
 #include "estimator/sky_fit/sky_doubts.hpp"
-#include "estimator/sky_fit/sky_patches.hpp"
 
 namespace kasumi {
 
@@ -24,7 +24,7 @@ struct CubicTaps {
 CubicTaps cubic_taps(double place, int nodes);
 
 // What is to be found of a sky. Of Preetham's and Hosek's there is an amount alone.
-struct SkyAmount {
+struct FamilyPoint {
   double place = 0.0;  // on the family's axis, in nodes
   double tilt = 0.0;   // exponent of the dome's aerosol over the one that its particles have by nature
   double share = 0.0;  // of a blend's other kind
@@ -54,21 +54,21 @@ class SkyFamily {
   int nodes() const { return nodes_; }
   double natural_exponent(double share = 0.0) const;
 
-  Aerosol aerosol_at(const SkyAmount& amount) const { return aerosol_at(amount, natural_exponent(amount.share)); }
-  Aerosol aerosol_at(const SkyAmount& amount, double natural_exponent) const;     // the exponent of that share
-  Turbidity turbidity_of(const SkyAmount& amount, const Aerosol& aerosol) const;  // aerosol: of that amount
+  Aerosol aerosol_at(const FamilyPoint& amount) const { return aerosol_at(amount, natural_exponent(amount.share)); }
+  Aerosol aerosol_at(const FamilyPoint& amount, double natural_exponent) const;     // the exponent of that share
+  Turbidity turbidity_of(const FamilyPoint& amount, const Aerosol& aerosol) const;  // aerosol: of that amount
   double place_of(double aod_550) const;  // where the exponent is the natural one
 
   // Linear sRGB, in a unit of the family's own.
-  LightOfSky light(const SkyAmount& amount) const;
+  RadianceField light(const FamilyPoint& amount) const;
   // Not of a blend, whose kinds have tables.
   LightTable log_light(std::span<const Direction> directions) const;
   // ln light of one amount, by the tables, and its slopes by the three unknowns, [place of the sky][unknown].
-  std::array<Eigen::VectorXd, 3> log_light(const FamilyTables& tables, const SkyAmount& amount) const;
-  std::array<Eigen::MatrixXd, 3> slopes(const FamilyTables& tables, const SkyAmount& amount) const;
+  std::array<Eigen::VectorXd, 3> log_light(const FamilyTables& tables, const FamilyPoint& amount) const;
+  std::array<Eigen::MatrixXd, 3> slopes(const FamilyTables& tables, const FamilyPoint& amount) const;
   // What the family supposes and cannot know; without columns where it supposes nothing.
-  DoubtsOfLight doubts(const FamilyTables& tables, const SkyAmount& amount, std::span<const Direction> directions,
-                       double brighter_ground) const;
+  RadianceDoubts doubts(const FamilyTables& tables, const FamilyPoint& amount, std::span<const Direction> directions,
+                        double brighter_ground) const;
 
  private:
   enum class Form { preetham, dome, hosek };
@@ -83,7 +83,7 @@ class SkyFamily {
     std::array<double, kSkyUnknowns> place_by{1.0, 0.0, 0.0};
     double weight_by_share = 0.0;
   };
-  std::array<Tap, 2> taps(std::size_t channel, const SkyAmount& amount) const;
+  std::array<Tap, 2> taps(std::size_t channel, const FamilyPoint& amount) const;
 
   std::optional<AerosolKind> kind_, other_;
   double altitude_m_ = 0.0;

@@ -8,8 +8,8 @@
 
 #include "estimator/sky/ground_glow.hpp"
 #include "estimator/sky_fit/family_fit.hpp"
+#include "estimator/sky_fit/reading_patches.hpp"
 #include "estimator/sky_fit/sky_family.hpp"
-#include "estimator/sky_fit/sky_patches.hpp"
 #include "estimator/sky_fit/unexplained.hpp"
 
 namespace kasumi {
@@ -27,7 +27,7 @@ double sigma_of_models(double aod_550) {
   return std::max(std::min(0.25 * aod_550, 0.02), 0.08 * aod_550);
 }
 
-std::vector<SkyFamily> families_of(const SkyToFit& sky, const SunDirection& sun) {
+std::vector<SkyFamily> families_of(const ModelToFit& sky, const SunDirection& sun) {
   const auto kinds = [&] {
     std::vector<SkyFamily> domes;
     for (const AerosolKind kind : kAerosolKinds)
@@ -36,7 +36,7 @@ std::vector<SkyFamily> families_of(const SkyToFit& sky, const SunDirection& sun)
   };
   if (!sky.every_model) {
     if (sky.hosek) return {SkyFamily::hosek(sky.hosek, sun)};
-    if (resolved(sky.model, sky.altitude_m, sky.aerosol.has_value()) == SiteSkyModel::preetham)
+    if (resolved(sky.model, sky.altitude_m, sky.aerosol.has_value()) == DaylightModel::preetham)
       return {SkyFamily::preetham(sun)};
     if (sky.aerosol) return {SkyFamily::dome(sky.aerosol->kind, sky.altitude_m, sun)};
     return kinds();
@@ -47,7 +47,7 @@ std::vector<SkyFamily> families_of(const SkyToFit& sky, const SunDirection& sun)
   return all;
 }
 
-GivenAir known_of(const SkyToFit& sky) {
+GivenAir known_of(const ModelToFit& sky) {
   GivenAir known = sky.known;
   if (!sky.every_model && sky.aerosol && !known.angstrom_exponent)
     known.angstrom_exponent = sky.aerosol->angstrom_exponent;
@@ -57,7 +57,7 @@ GivenAir known_of(const SkyToFit& sky) {
 struct Candidate {
   SkyFamily family;
   FamilyTables tables;
-  std::vector<SkyAmount> begin;  // where its fit looks first
+  std::vector<FamilyPoint> begin;  // where its fit looks first
   FamilyFit fit;
   bool fitted = false;
   double evidence = 0.0, weight = 1.0;
@@ -111,7 +111,7 @@ double surprise(double mean_square) {
 // What a fit is made to.
 struct Measured {
   std::span<const Direction> places;
-  PartsOfLight light;
+  RadianceParts light;
   const Unexplained& unexplained;
   const GivenAir& known;
 };
@@ -172,7 +172,7 @@ void compare_again(std::vector<Candidate>& candidates, const Measured& measured)
 }
 
 // Of what a gain (one per colour, where there are colours) does not take.
-double rms_of(const PartsOfLight& residuals, int parts) {
+double rms_of(const RadianceParts& residuals, int parts) {
   const auto n = static_cast<double>(residuals[0].size());
   std::array<double, kLightParts> variance{};
   for (int p = 0; p < parts; ++p) {
@@ -193,11 +193,11 @@ struct Mixture {
   double aod = 0.0, exponent = 0.0, turbidity = 0.0;
   double aod_aod = 0.0, aod_exponent = 0.0, exponent_exponent = 0.0, turbidity_turbidity = 0.0;
 };
-Mixture mixture_of(std::span<const SkyModelFit> models, std::span<const Candidate> candidates, bool papers) {
+Mixture mixture_of(std::span<const ModelFit> models, std::span<const Candidate> candidates, bool papers) {
   Mixture sum;
   for (std::size_t i = 0; i < models.size(); ++i) {
     if (is_papers(candidates[i]) != papers) continue;
-    const SkyModelFit& model = models[i];
+    const ModelFit& model = models[i];
     const double w = model.answer.weight, a = model.aerosol.aod_550, e = model.aerosol.angstrom_exponent,
                  t = model.answer.turbidity.value;
     sum.weight += w;
@@ -220,11 +220,11 @@ Mixture mixture_of(std::span<const SkyModelFit> models, std::span<const Candidat
   return sum;
 }
 
-SkyModelFit answer_of(const Candidate& candidate, std::span<const SkyPatch> patches, int parts) {
+ModelFit answer_of(const Candidate& candidate, std::span<const ReadingPatch> patches, int parts) {
   const SkyFamily& family = candidate.family;
   const FamilyFit& fit = candidate.fit;
-  const PartsOfLight left = residuals_of(family, fit, patches, candidate.tables);
-  SkyModelFit model;
+  const RadianceParts left = residuals_of(family, fit, patches, candidate.tables);
+  ModelFit model;
   model.answer = {family.name(), Turbidity{fit.turbidity}, fit.mean.aod_550, rms_of(left, parts), candidate.weight};
   model.kind = family.kind();
   model.aerosol = fit.mean;
@@ -280,8 +280,8 @@ void doubt_models(SkyFit& fit) {
 }
 
 // The models of the candidates, the likeliest first; of all blends the likeliest stands for all, with their weight.
-std::vector<SkyModelFit> gathered(std::span<const SkyModelFit> models, std::span<const Candidate> candidates) {
-  std::vector<SkyModelFit> gathered;
+std::vector<ModelFit> gathered(std::span<const ModelFit> models, std::span<const Candidate> candidates) {
+  std::vector<ModelFit> gathered;
   std::optional<std::size_t> blend;
   for (std::size_t i = 0; i < models.size(); ++i) {
     const bool is_blend = candidates[i].family.other().has_value();
@@ -292,16 +292,16 @@ std::vector<SkyModelFit> gathered(std::span<const SkyModelFit> models, std::span
     if (is_blend) blend = gathered.size();
     gathered.push_back(models[i]);
   }
-  std::ranges::stable_sort(gathered, std::ranges::greater{}, [](const SkyModelFit& m) { return m.answer.weight; });
+  std::ranges::stable_sort(gathered, std::ranges::greater{}, [](const ModelFit& m) { return m.answer.weight; });
   return gathered;
 }
 
 }  // namespace
 
-SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
+SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
                const InstrumentDoubt& doubt) {
   SkyFit result;
-  const SkyPatches places(readings, sun);
+  const ReadingPatches places(readings, sun);
   if (places.size() < kFewestPatches) return result;
   const std::vector<SkyFamily> families = families_of(sky, sun);
   const GivenAir known = known_of(sky);
@@ -309,7 +309,7 @@ SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, co
   for (const SkyFamily& family : families) tables.push_back(family.log_light(places.centres()));
 
   const SkyFamily usual = SkyFamily::dome(AerosolKind::continental, sky.altitude_m, sun);
-  std::vector<SkyPatch> patches = places.gathered(readings, usual.light({usual.place_of(0.1)}));
+  std::vector<ReadingPatch> patches = places.gathered(readings, usual.light({usual.place_of(0.1)}));
   Unexplained unexplained(patches, doubt);
   std::vector<Candidate> candidates;
   for (std::size_t m = 0; m < families.size(); ++m) candidates.push_back({families[m], {&tables[m], nullptr}, {}, {}});
@@ -331,7 +331,7 @@ SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, co
     compare_again(candidates, measured);
   }
 
-  std::vector<SkyModelFit> models;
+  std::vector<ModelFit> models;
   for (const Candidate& candidate : candidates) models.push_back(answer_of(candidate, patches, unexplained.parts()));
   result.models = gathered(models, candidates);
   result.solved = true;

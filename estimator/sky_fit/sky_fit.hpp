@@ -23,8 +23,8 @@ struct InstrumentDoubt {
 };
 
 // One model's best sky.
-struct SkyModelFit {
-  SkyModelAnswer answer;
+struct ModelFit {
+  ModelAnswer answer;
   std::optional<AerosolKind> kind;  // of the dome's
   Aerosol aerosol;                  // exponent and kind as the model supposes where it cannot know
   AerosolCovariance covariance;     // under this model
@@ -39,13 +39,13 @@ struct SkyFit {
   FoundAerosol found;   // over all models
   Turbidity turbidity;
   double sigma_turbidity = 0.0;
-  double log_residual = 0.0;        // of the likeliest model
-  std::vector<SkyModelFit> models;  // the likeliest first; the likeliest blend has the weight of all
+  double log_residual = 0.0;     // of the likeliest model
+  std::vector<ModelFit> models;  // the likeliest first; the likeliest blend has the weight of all
 };
 
 // `readings`: of clear sky alone, some hundred. `sky`: which models, the site's altitude, what is given. Domes are asked
 // by kind and by blends of two; `found.covariance` holds what no dome knows of other particles (docs/sky.md).
-SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
+SkyFit fit_sky(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
                const InstrumentDoubt& doubt);
 
 }  // namespace kasumi

@@ -36,7 +36,7 @@ struct Contrasts {
     return std::max(0.0, read_read - 2.0 * exponent * read_sky + exponent * exponent * sky_sky);
   }
 };
-Contrasts contrasts(std::span<const SkyReading> readings, const KnownSky& sky) {
+Contrasts contrasts(std::span<const SkyReading> readings, const KnownRadiance& sky) {
   const auto n = static_cast<double>(readings.size());
   glm::dvec3 r{0.0}, s{0.0}, rr{0.0}, rs{0.0}, ss{0.0};
   for (std::size_t i = 0; i < readings.size(); ++i) {
@@ -51,16 +51,16 @@ Contrasts contrasts(std::span<const SkyReading> readings, const KnownSky& sky) {
 }
 
 // For every exponent how likely it is by one sky, and what the best sky leaves.
-struct OneSky {
+struct ExponentLikelihood {
   std::array<double, kExponents> log_likelihood{}, mean_square{};
 };
-OneSky judge(const std::vector<const PictureOfSky*>& pictures, double altitude_m) {
-  OneSky sky;
+ExponentLikelihood judge(const std::vector<const ToneEvidence*>& pictures, double altitude_m) {
+  ExponentLikelihood sky;
   sky.mean_square.fill(std::numeric_limits<double>::infinity());
   std::vector<std::array<double, kExponents>> left;  // by known sky: mean over the pictures
-  for (const PictureOfSky* picture : pictures) {
+  for (const ToneEvidence* picture : pictures) {
     const std::vector<SkyReading> readings = thinned(picture->readings, kCurveReadings);
-    const std::vector<KnownSky> skies = known_skies(readings, picture->sun, altitude_m);
+    const std::vector<KnownRadiance> skies = known_skies(readings, picture->sun, altitude_m);
     left.resize(skies.size());
     for (std::size_t k = 0; k < skies.size(); ++k) {
       const Contrasts sums = contrasts(readings, skies[k]);
@@ -94,10 +94,10 @@ Mean mean_exponent(const std::array<double, kExponents>& log_likelihood) {
 
 }  // namespace
 
-Result<ToneCurve> find_tone_curve(std::span<const PictureOfSky> pictures, double altitude_m) {
-  std::vector<std::vector<const PictureOfSky*>> by_sky;
+Result<ToneCurve> find_tone_curve(std::span<const ToneEvidence> pictures, double altitude_m) {
+  std::vector<std::vector<const ToneEvidence*>> by_sky;
   ToneCurve curve;
-  for (const PictureOfSky& picture : pictures) {
+  for (const ToneEvidence& picture : pictures) {
     if (picture.readings.size() < kFewestReadings) continue;
     ++curve.pictures;
     const auto same = std::ranges::find_if(
@@ -117,7 +117,7 @@ Result<ToneCurve> find_tone_curve(std::span<const PictureOfSky> pictures, double
   std::array<double, kExponents> log_likelihood{}, mean_square{};
   std::vector<double> each;
   for (const auto& same : by_sky) {
-    const OneSky sky = judge(same, altitude_m);
+    const ExponentLikelihood sky = judge(same, altitude_m);
     for (std::size_t i = 0; i < kExponents; ++i) {
       log_likelihood[i] += sky.log_likelihood[i];
       mean_square[i] += sky.mean_square[i] / static_cast<double>(by_sky.size());

@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct PictureOfSky {
+struct ToneEvidence {
   std::vector<SkyReading> readings;  // of clear air alone, by the response that was supposed
   SunDirection sun{0.0, 0.0, 1.0};
 };
@@ -26,7 +26,7 @@ struct ToneCurve {
 
 // Pictures whose suns are within three degrees show one sky. Errors (bad_input): fewer than two cloudless skies; they do
 // not determine the curve, or no exponent makes clear skies of them.
-Result<ToneCurve> find_tone_curve(std::span<const PictureOfSky> pictures, double altitude_m);
+Result<ToneCurve> find_tone_curve(std::span<const ToneEvidence> pictures, double altitude_m);
 
 // The response that undoes the exponent.
 Response corrected(const Response& supposed, double exponent);

@@ -33,8 +33,8 @@ double squared(double x) {
 
 }  // namespace
 
-PartsOfLight parts_of(std::span<const SkyPatch> patches) {
-  PartsOfLight parts;
+RadianceParts parts_of(std::span<const ReadingPatch> patches) {
+  RadianceParts parts;
   for (std::size_t p = 0; p < kLightParts; ++p) {
     parts[p].resize(static_cast<Eigen::Index>(patches.size()));
     for (std::size_t i = 0; i < patches.size(); ++i) {
@@ -46,7 +46,7 @@ PartsOfLight parts_of(std::span<const SkyPatch> patches) {
   return parts;
 }
 
-Unexplained::Unexplained(std::span<const SkyPatch> patches, const InstrumentDoubt& doubt)
+Unexplained::Unexplained(std::span<const ReadingPatch> patches, const InstrumentDoubt& doubt)
     : parts_(doubt.colours ? kLightParts : 1), scales_(kUsual) {
   const auto n = static_cast<Eigen::Index>(patches.size());
   const auto log_distance = [&](std::size_t i) { return std::log(patches[i].sun_distance + 0.1); };
@@ -113,7 +113,7 @@ Eigen::MatrixXd Unexplained::believed(int part, Eigen::MatrixXd columns) const {
   return columns.transpose() * varied;
 }
 
-void Unexplained::learn(const PartsOfLight& residuals) {
+void Unexplained::learn(const RadianceParts& residuals) {
   for (int p = 0; p < parts_; ++p) {
     const auto part = static_cast<std::size_t>(p);
     for (int turn = 0; turn < 4; ++turn) {

@@ -9,8 +9,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "estimator/sky_fit/reading_patches.hpp"
 #include "estimator/sky_fit/sky_fit.hpp"
-#include "estimator/sky_fit/sky_patches.hpp"
 
 namespace kasumi {
 
@@ -19,8 +19,8 @@ constexpr int kLightParts = 3;
 constexpr std::array<std::array<double, 3>, kLightParts> kPartsOfChannels{
     {{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, {1.0, 0.0, -1.0}, {-0.5, 1.0, -0.5}}};
 
-using PartsOfLight = std::array<Eigen::VectorXd, kLightParts>;  // [place of the sky]
-PartsOfLight parts_of(std::span<const SkyPatch> patches);
+using RadianceParts = std::array<Eigen::VectorXd, kLightParts>;  // [place of the sky]
+RadianceParts parts_of(std::span<const ReadingPatch> patches);
 
 // Standard deviations of ln light.
 struct UnexplainedScale {
@@ -30,13 +30,13 @@ struct UnexplainedScale {
 
 class Unexplained {
  public:
-  Unexplained(std::span<const SkyPatch> patches, const InstrumentDoubt& doubt);
+  Unexplained(std::span<const ReadingPatch> patches, const InstrumentDoubt& doubt);
 
   int parts() const { return parts_; }
   const UnexplainedScale& scale(int part) const { return scales_[static_cast<std::size_t>(part)]; }
   // The likeliest scales where a model leaves these residuals; patches that lie far off their neighbours count less
   // from now on.
-  void learn(const PartsOfLight& residuals);
+  void learn(const RadianceParts& residuals);
 
   // The number of independent values in the smooth errors of one part.
   double independent() const;

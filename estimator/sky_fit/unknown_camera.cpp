@@ -36,7 +36,7 @@ struct Sums {
   }
 };
 
-Sums sums_of(std::span<const SkyReading> readings, const KnownSky& sky) {
+Sums sums_of(std::span<const SkyReading> readings, const KnownRadiance& sky) {
   const auto n = static_cast<double>(readings.size());
   glm::dvec3 y{0.0}, x{0.0};
   double r = 0.0;
@@ -72,7 +72,7 @@ Instrument instrument_of(std::span<const SkyReading> all, const SunDirection& su
                          const CameraBelief& belief) {
   const std::vector<SkyReading> readings = thinned(all, kLookedAt);
   std::vector<Sums> skies;
-  for (const KnownSky& sky : known_skies(readings, sun, altitude_m)) skies.push_back(sums_of(readings, sky));
+  for (const KnownRadiance& sky : known_skies(readings, sun, altitude_m)) skies.push_back(sums_of(readings, sky));
   const double stiffness = square(kKnownApart / belief.rim_loss);
   struct Step {
     double log_exponent = 0.0, likelihood = 0.0, rim_loss = 0.0, rim_square = 0.0;  // of the rim: times likelihood
@@ -161,9 +161,9 @@ void add_altitude(SkyFit& fit, const SkyFit& here, const SkyFit& higher) {
 
 }  // namespace
 
-UnknownCameraFit fit_unknown_camera(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
-                                    const CameraBelief& belief) {
-  UnknownCameraFit found;
+UncalibratedFit fit_unknown_camera(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
+                                   const CameraBelief& belief) {
+  UncalibratedFit found;
   if (readings.empty()) return found;
   const auto [tone, rim] = instrument_of(readings, sun, sky.altitude_m, belief);
   found.exponent = std::exp(tone.mean);
@@ -181,7 +181,7 @@ UnknownCameraFit fit_unknown_camera(std::span<const SkyReading> readings, const 
   if (!found.sky.solved) return found;
   mix(found.sky, fits, weights);
   if (belief.sigma_altitude_m > 0.0) {
-    SkyToFit higher = sky;
+    ModelToFit higher = sky;
     higher.altitude_m += belief.sigma_altitude_m;
     add_altitude(found.sky, fits[0], fit_sky(undone(readings, std::exp(tone.mean)), sun, higher, doubt));
   }

@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-struct UnknownCameraFit {
+struct UncalibratedFit {
   SkyFit sky;
   double exponent = 1.0, sigma_exponent = 0.0;  // the tone exponent of this picture and the prior
   double rim_loss = 0.0, sigma_rim_loss = 0.0;  // of ln light at the rim, as this picture and the prior have it
@@ -18,7 +18,7 @@ struct UnknownCameraFit {
 
 // `readings`: of clear sky alone, with the light that the supposed response gives; some hundred. `sky`: the site's
 // altitude, the models to fit, and what is given of the air.
-UnknownCameraFit fit_unknown_camera(std::span<const SkyReading> readings, const SunDirection& sun, const SkyToFit& sky,
-                                    const CameraBelief& belief = {});
+UncalibratedFit fit_unknown_camera(std::span<const SkyReading> readings, const SunDirection& sun, const ModelToFit& sky,
+                                   const CameraBelief& belief = {});
 
 }  // namespace kasumi

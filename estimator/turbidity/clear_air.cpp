@@ -15,9 +15,9 @@ namespace kasumi {
 namespace {
 
 // The sky that is expected at a direction, of luminance and colour: the form's, over the model's.
-class ExpectedSky {
+class ClearExpectation {
  public:
-  ExpectedSky(const ClearForm& form, const ClearSkyByForm& sky, const ExpectedLook& model)
+  ClearExpectation(const ClearForm& form, const ClearFormFit& sky, const ExpectedLook& model)
       : form_(form), sky_(sky), model_(model) {}
   glm::vec2 at(const glm::vec3& direction) const {
     const ClearForm::Terms terms = form_.at(direction);
@@ -27,14 +27,14 @@ class ExpectedSky {
 
  private:
   const ClearForm& form_;
-  const ClearSkyByForm& sky_;
+  const ClearFormFit& sky_;
   const ExpectedLook& model_;
 };
 
 // The same for every element: on a lattice and between its nodes; near the sun, where it is curved, as it is.
 class ExpectedElements {
  public:
-  ExpectedElements(const SkyGeometry& geometry, const SunDirection& sun, const ExpectedSky& sky)
+  ExpectedElements(const ElementGeometry& geometry, const SunDirection& sun, const ClearExpectation& sky)
       : geometry_(geometry), sky_(sky), sun_(sun) {
     const Image<glm::vec3>& direction = geometry.direction;
     nodes_ = Image<glm::vec2>((direction.width() + kStep - 1) / kStep + 1, (direction.height() + kStep - 1) / kStep + 1,
@@ -59,14 +59,14 @@ class ExpectedElements {
   static constexpr int kStep = 4;          // elements between nodes: clear sky is smooth over a degree
   static constexpr float kLowest = 0.1f;   // sine of the elevation
   static constexpr float kCurved = 0.97f;  // cosine of 14 deg
-  const SkyGeometry& geometry_;
-  const ExpectedSky& sky_;
+  const ElementGeometry& geometry_;
+  const ClearExpectation& sky_;
   glm::vec3 sun_;
   Image<glm::vec2> nodes_;
 };
 
 // `if_cloud`: weight to begin with of what `begin` calls cloud.
-std::vector<LookedAt> places_to_fit(const ElementLooks& looks, const SkyGeometry& geometry,
+std::vector<LookedAt> places_to_fit(const ElementLooks& looks, const ElementGeometry& geometry,
                                     const Image<PixelUse>& begin, float if_cloud, const ClearForm& form,
                                     const ExpectedLook& expected, float rough) {
   constexpr double kPlaces = 1200.0;  // more add nothing
@@ -86,7 +86,7 @@ std::vector<LookedAt> places_to_fit(const ElementLooks& looks, const SkyGeometry
 }
 
 // Log likelihood, per place, that those within reach of this sky lie so close to it and the rest anywhere.
-double agreement_with(const ClearSkyByForm& sky, const std::vector<LookedAt>& places) {
+double agreement_with(const ClearFormFit& sky, const std::vector<LookedAt>& places) {
   constexpr float kReach = 3.0f, kLeast = 0.01f;  // standard deviations; no sky agrees better than 1 %
   constexpr double kAnywhere = 6.0;               // area in ln Y and ln R/B
   const float dy = kReach * std::max(kLeast, sky.luminance_scatter), dc = kReach * std::max(kLeast, sky.colour_scatter);
@@ -102,7 +102,7 @@ double agreement_with(const ClearSkyByForm& sky, const std::vector<LookedAt>& pl
 
 }  // namespace
 
-ClearAir mask_all_but_clear_air(SkyLight& sky, const ElementLooks& looks, const SkyGeometry& geometry,
+ClearAir mask_all_but_clear_air(ElementLight& sky, const ElementLooks& looks, const ElementGeometry& geometry,
                                 const Image<PixelUse>& begin, const SunDirection& sun, const ClearAirLimits& limits,
                                 const ExpectedLook& expected) {
   ClearAir air;
@@ -111,7 +111,7 @@ ClearAir mask_all_but_clear_air(SkyLight& sky, const ElementLooks& looks, const 
   // From what looks clear alone, and from all that is not rough: the sky on which more places agree more closely.
   constexpr float kBegun = 0.2f;      // the window of the first fit, to elements that look clear
   constexpr double kNearlyAll = 2.5;  // agreement that no other beginning betters
-  std::optional<ClearSkyByForm> by_form;
+  std::optional<ClearFormFit> by_form;
   double best = -std::numeric_limits<double>::infinity();
   for (const float if_cloud : {0.0f, 0.3f}) {
     const auto places = places_to_fit(looks, geometry, begin, if_cloud, form, expected, rough);
@@ -134,7 +134,7 @@ ClearAir mask_all_but_clear_air(SkyLight& sky, const ElementLooks& looks, const 
   const float luminance_limit = limit_of(air.luminance_scatter, limits.most_luminance),
               colour_limit = limit_of(air.colour_scatter, limits.most_colour);
   constexpr float kOfStep = 0.3f;  // what the mean of nine elements leaves of the quantisation
-  const ExpectedSky expected_sky(form, *by_form, expected);
+  const ClearExpectation expected_sky(form, *by_form, expected);
   const ExpectedElements elements(geometry, sun, expected_sky);
   constexpr float kFar = 3.0f;  // limits: no noise, even of a single element
   cv::Mat1b marked(looks.known.size(), std::uint8_t{0}), far(looks.known.size(), std::uint8_t{0});

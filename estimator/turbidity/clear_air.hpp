@@ -29,12 +29,12 @@ struct ClearAirLimits {
   ClearFormWindow window{.narrowest = 0.06f, .rounds = 11};
   double scatters = 4.0;  // of the places that agree
   double least = 0.03, most_luminance = 0.12, most_colour = 0.10;
-  double texture_scatter = 5.0, least_texture = 0.02;  // as CloudMaskOptions has them
+  double texture_scatter = 5.0, least_texture = 0.02;  // as CloudMaskLimits has them
 };
 
 // Turns PixelUse::clear into PixelUse::cloud where the sky is not of that form. `begin`: what is taken for clear at
 // first. `expected`: subtracted from what is seen, so that the form has only the difference to follow.
-ClearAir mask_all_but_clear_air(SkyLight& sky, const ElementLooks& looks, const SkyGeometry& geometry,
+ClearAir mask_all_but_clear_air(ElementLight& sky, const ElementLooks& looks, const ElementGeometry& geometry,
                                 const Image<PixelUse>& begin, const SunDirection& sun,
                                 const ClearAirLimits& limits = {}, const ExpectedLook& expected = {});
 

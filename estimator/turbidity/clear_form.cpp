@@ -21,7 +21,7 @@ float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
   return sum;
 }
 
-bool solve_form(const std::vector<LookedAt>& places, ClearSkyByForm& sky) {
+bool solve_form(const std::vector<LookedAt>& places, ClearFormFit& sky) {
   constexpr double kStiffness = 1e-7;  // keeps factors finite where no place determines them
   std::array<double, kTerms * kTerms> normal{};
   std::array<double, kTerms> y{}, c{};
@@ -95,16 +95,16 @@ ClearForm::Terms ClearForm::at(const glm::vec3& direction) const {
   return terms;
 }
 
-float ClearSkyByForm::luminance_at(const ClearForm::Terms& terms) const {
+float ClearFormFit::luminance_at(const ClearForm::Terms& terms) const {
   return sum_of(terms, luminance);
 }
-float ClearSkyByForm::colour_at(const ClearForm::Terms& terms) const {
+float ClearFormFit::colour_at(const ClearForm::Terms& terms) const {
   return sum_of(terms, colour);
 }
 
-std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& windows) {
+std::optional<ClearFormFit> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& windows) {
   constexpr float kPerColour = 1.5f;  // of ln R/B: colour separates better than light
-  ClearSkyByForm sky;
+  ClearFormFit sky;
   float window = windows.widest;
   for (int round = 0; round < windows.rounds; ++round) {
     if (!solve_form(places, sky)) return std::nullopt;

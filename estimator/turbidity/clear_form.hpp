@@ -36,7 +36,7 @@ struct LookedAt {
 };
 
 // One sky of this form.
-struct ClearSkyByForm {
+struct ClearFormFit {
   ClearForm::Terms luminance{}, colour{};  // factors of the terms
   // Standard deviations, of the places that agree.
   float luminance_scatter = 0.0f, colour_scatter = 0.0f;
@@ -53,6 +53,6 @@ struct ClearFormWindow {
 
 // The sky that most places agree on in luminance and colour at once: least squares with Tukey's weights, whose window
 // narrows. Empty when too few agree.
-std::optional<ClearSkyByForm> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& window = {});
+std::optional<ClearFormFit> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& window = {});
 
 }  // namespace kasumi

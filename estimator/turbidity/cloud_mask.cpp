@@ -99,7 +99,7 @@ ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity
 }
 
 template <class ModelAt>
-ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry, const ModelAt& model_at,
+ColourConsensus agree_on_colour(const ElementLight& sky, const ElementGeometry& geometry, const ModelAt& model_at,
                                 const glm::dmat3& xyz_to_light) {
   constexpr int kColourSamples = 500;  // the fullest cell's share within some 2 %
   // Even in what the sky's colour changes by, dense where it changes fast.
@@ -121,7 +121,8 @@ ColourConsensus agree_on_colour(const SkyLight& sky, const SkyGeometry& geometry
 template <class Quantity>
 class Interpolated {
  public:
-  Interpolated(const SkyGeometry& geometry, Quantity quantity) : geometry_(geometry), quantity_(std::move(quantity)) {
+  Interpolated(const ElementGeometry& geometry, Quantity quantity)
+      : geometry_(geometry), quantity_(std::move(quantity)) {
     const int width = geometry.direction.width(), height = geometry.direction.height();
     nodes_ = Image<float>((width + kStep - 1) / kStep + 1, (height + kStep - 1) / kStep + 1,
                           std::numeric_limits<float>::quiet_NaN());
@@ -142,13 +143,13 @@ class Interpolated {
  private:
   static constexpr int kStep = 6;  // elements between nodes of a smooth model
   float direct(int x, int y) const { return quantity_(Direction(geometry_.direction.at(x, y))); }
-  const SkyGeometry& geometry_;
+  const ElementGeometry& geometry_;
   Quantity quantity_;
   Image<float> nodes_;
 };
 
 // Classifies marked elements and their margin as cloud. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
-double mark_clouds(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b& marked) {
+double mark_clouds(ElementLight& sky, const ElementGeometry& geometry, cv::Mat1b& marked) {
   const cv::Mat1b grown = grown_over_soft_edges(marked);
   double clear = 0.0, all = 0.0;
   for (int y = 0; y < marked.rows; ++y)
@@ -164,8 +165,8 @@ double mark_clouds(SkyLight& sky, const SkyGeometry& geometry, cv::Mat1b& marked
 
 }  // namespace
 
-CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
-                            const CloudMaskOptions& options, const SkyToFit& fitted) {
+CloudMaskResult mask_clouds(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun,
+                            const CloudMaskLimits& options, const ModelToFit& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
   const glm::dmat3 xyz_to_light = glm::inverse(geometry.light_to_xyz);
   const auto model_at = [&](Turbidity t) {
@@ -212,7 +213,7 @@ CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const Su
   return {mark_clouds(sky, geometry, cloud), consensus.turbidity};
 }
 
-double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+double mask_outliers(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
                      double log_gain, double limit, const FittedSky& fitted) {
   const int width = sky.use.width(), height = sky.use.height();
   const Interpolated expected(geometry, [&](const Direction& view) {

@@ -6,7 +6,7 @@
 
 namespace kasumi {
 
-struct CloudMaskOptions {
+struct CloudMaskLimits {
   // How much whiter (ln R/B) and how much more textured than the clear sky expected in that direction a cloud is, in
   // units of the clear sky's own scatter; and the smallest differences that count at all.
   double colour_scatter = 4.0;
@@ -22,13 +22,13 @@ struct CloudMaskResult {
 
 // Turns PixelUse::clear into PixelUse::cloud where there is a cloud. The expected R/B follows the sky model in
 // direction and T with a free white balance, so that a whitish clear sky (T = 9) is not mistaken for cloud.
-CloudMaskResult mask_clouds(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun,
-                            const CloudMaskOptions& options = {}, const SkyToFit& fitted = {});
+CloudMaskResult mask_clouds(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun,
+                            const CloudMaskLimits& options = {}, const ModelToFit& fitted = {});
 
 // After a first fit: turns into PixelUse::cloud what differs from the fitted sky's luminance by more than `limit` of ln
 // Y, and its surroundings. Catches thin cloud edges that colour does not show. Returns the share of the previously
 // clear sky that is still clear.
-double mask_outliers(SkyLight& sky, const SkyGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
+double mask_outliers(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
                      double log_gain, double limit, const FittedSky& fitted = {});
 
 }  // namespace kasumi

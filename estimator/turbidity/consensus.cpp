@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/fast_log.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 
 namespace kasumi {
 
@@ -34,7 +34,7 @@ constexpr float kBackgroundRange = 3.0f;
 // The samples compared with the skies of one model.
 class Skies {
  public:
-  Skies(std::span<const SkySample> samples, Turbidity lowest, Turbidity highest)
+  Skies(std::span<const LuminanceSample> samples, Turbidity lowest, Turbidity highest)
       : n_(samples.size()),
         lowest_(static_cast<float>(lowest.value)),
         highest_(static_cast<float>(highest.value)),
@@ -149,10 +149,10 @@ inline void residuals_and_on(float a, float c, float e, const PerezColumns& at, 
 
 class PerezSkies final : public Skies {
  public:
-  explicit PerezSkies(std::span<const SkySample> samples)
+  explicit PerezSkies(std::span<const LuminanceSample> samples)
       : Skies(samples, kLowestTurbidity, kHighestTurbidity), per_cosine_(n_), gamma_(n_), cos2_gamma_(n_) {
     for (std::size_t i = 0; i < n_; ++i) {
-      const SkySample& s = samples[i];
+      const LuminanceSample& s = samples[i];
       const float cosine = std::cos(s.sun_distance);
       per_cosine_[i] = 1.0f / std::max(static_cast<float>(kSmallestCosine), std::cos(s.zenith));
       gamma_[i] = s.sun_distance;
@@ -207,7 +207,7 @@ class PerezSkies final : public Skies {
 
 class DomeSkies final : public Skies {
  public:
-  DomeSkies(std::span<const SkySample> samples, const DomeLog& dome)
+  DomeSkies(std::span<const LuminanceSample> samples, const DomeLog& dome)
       : Skies(samples, dome.lowest(), dome.highest()), dome_(dome), columns_(DomeLog::kNodes * n_) {
     for (std::size_t i = 0; i < n_; ++i) {
       const auto nodes = dome.at(std::cos(double{samples[i].zenith}), std::cos(double{samples[i].sun_distance}));
@@ -335,7 +335,8 @@ Consensus descend(Skies& skies, Consensus c, float narrowest, float widest) {
 
 }  // namespace
 
-Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky) {
+Consensus find_consensus(std::span<const LuminanceSample> samples, float narrowest, float widest,
+                         const FittedSky& sky) {
   constexpr std::size_t kMost = 32000;  // more add no information, and the histogram counts in sixteen bits
   samples = samples.first(std::min(samples.size(), kMost));
   std::unique_ptr<Skies> skies;

@@ -19,6 +19,7 @@ struct Consensus {
 // 1. On a grid of T: how many samples share one gain, within windows of several widths. The search is exhaustive, so
 // the result does not depend on chance. 2. Graduated non-convexity from the two best candidates, the window following
 // the residuals between the two limits. Needs at least two samples with finite values.
-Consensus find_consensus(std::span<const SkySample> samples, float narrowest, float widest, const FittedSky& sky = {});
+Consensus find_consensus(std::span<const LuminanceSample> samples, float narrowest, float widest,
+                         const FittedSky& sky = {});
 
 }  // namespace kasumi

@@ -41,7 +41,7 @@ float ElementLooks::rough(double scatter, double least) const {
   return std::max(static_cast<float>(least), static_cast<float>(scatter) * quantile_in_place(textures, 0.25));
 }
 
-ElementLooks looks_of(const SkyPicture& picture, const Camera& camera, const SkyLight& light) {
+ElementLooks looks_of(const SkyPicture& picture, const Camera& camera, const ElementLight& light) {
   const RelativeSteps steps(camera.response, picture.quantum);
   const cv::Mat1f none(light.use.height(), light.use.width(), 0.0f);
   ElementLooks looks{none.clone(), {}, none.clone(), none.clone(), {}, none.clone(), none.clone()};

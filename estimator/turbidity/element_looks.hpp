@@ -19,7 +19,7 @@ struct ElementLooks {
   float rough(double scatter, double least) const;
 };
 // `light`: clouds not marked.
-ElementLooks looks_of(const SkyPicture& picture, const Camera& camera, const SkyLight& light);
+ElementLooks looks_of(const SkyPicture& picture, const Camera& camera, const ElementLight& light);
 
 // Some quantity of the known elements, of every fourth.
 template <class Quantity>

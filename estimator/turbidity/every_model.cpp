@@ -20,11 +20,11 @@ namespace {
 constexpr double kFewWrong = 0.01;    // of the readings: a fit by medians does not see them
 constexpr double kSmallError = 0.01;  // of ln Y: no real sky is as near to a model
 
-SiteSky sky_of(const SkyToFit& sky, Turbidity turbidity, const SunDirection& sun) {
+SiteSky sky_of(const ModelToFit& sky, Turbidity turbidity, const SunDirection& sun) {
   return {sky.model, sky.aerosol ? AirState(*sky.aerosol) : AirState(turbidity), sun, sky.altitude_m};
 }
 
-ExpectedLook expected_by(const SiteSky& sky, const SkyGeometry& geometry) {
+ExpectedLook expected_by(const SiteSky& sky, const ElementGeometry& geometry) {
   return [&sky, xyz_to_light = glm::inverse(geometry.light_to_xyz)](const Direction& view) -> glm::vec2 {
     const glm::dvec3 xyz = sky.relative_xyz(view), light = xyz_to_light * xyz;
     return {std::log(xyz.y), std::log(light.r / light.b)};
@@ -33,17 +33,17 @@ ExpectedLook expected_by(const SiteSky& sky, const SkyGeometry& geometry) {
 
 // Begins with what Preetham's sky takes for clear; where few places then agree, clouds in haze or dust, with what domes
 // of other aerosols do.
-ClearAir find_clear_air(SkyLight& sky, const ElementLooks& looks, const SkyGeometry& geometry, const SunDirection& sun,
-                        const EstimateOptions& options) {
+ClearAir find_clear_air(ElementLight& sky, const ElementLooks& looks, const ElementGeometry& geometry,
+                        const SunDirection& sun, const EstimateParameters& options) {
   constexpr double kAgree = 0.5;  // with half of the sky in agreement no other aerosol's dome is tried
   const double altitude_m = options.sky.altitude_m;
-  const auto dome_of = [&](AerosolKind kind) -> SkyToFit {
-    return {SiteSkyModel::dome, altitude_m, Aerosol{0.0, natural_exponent(kind), kind}};
+  const auto dome_of = [&](AerosolKind kind) -> ModelToFit {
+    return {DaylightModel::dome, altitude_m, Aerosol{0.0, natural_exponent(kind), kind}};
   };
   ClearAir best;
-  SkyLight marked = sky;
-  for (const SkyToFit& model : {SkyToFit{}, dome_of(AerosolKind::continental), dome_of(AerosolKind::dust)}) {
-    SkyLight begin = sky, tried = sky;
+  ElementLight marked = sky;
+  for (const ModelToFit& model : {ModelToFit{}, dome_of(AerosolKind::continental), dome_of(AerosolKind::dust)}) {
+    ElementLight begin = sky, tried = sky;
     mask_clouds(begin, geometry, sun, options.clouds, model);
     const ClearAir air = mask_all_but_clear_air(tried, looks, geometry, begin.use, sun);
     if (air.found && (!best.found || air.agreement > best.agreement)) best = air, marked = std::move(tried);
@@ -54,9 +54,9 @@ ClearAir find_clear_air(SkyLight& sky, const ElementLooks& looks, const SkyGeome
 }
 
 // What samples, inliers and gain are under the sky that is followed: for plots and for the verdict.
-void compare_with_followed(SkyObservation& observation, SkyEvidence& evidence, const SunDirection& sun) {
+void compare_with_followed(TurbidityObservation& observation, VerdictEvidence& evidence, const SunDirection& sun) {
   const FittedSky fitted(observation.sky, sun);
-  const std::vector<SkySample>& samples = observation.samples;
+  const std::vector<LuminanceSample>& samples = observation.samples;
   std::vector<double> residuals(samples.size());
   FittedPlaces(samples, fitted).at(evidence.fit.turbidity, [&](std::size_t i, double log_f, double) {
     residuals[i] = static_cast<double>(samples[i].log_luminance) - log_f;
@@ -80,7 +80,7 @@ void compare_with_followed(SkyObservation& observation, SkyEvidence& evidence, c
 
 // By how much ln Y grows where all of an element's values are half a step more: a camera that cuts its values off instead
 // of rounding them leaves out so much, which no scatter shows.
-float half_a_step(const glm::ivec2& element, const SkyPicture& picture, const SkyGeometry& geometry,
+float half_a_step(const glm::ivec2& element, const SkyPicture& picture, const ElementGeometry& geometry,
                   const Camera& camera) {
   const glm::dvec3 encoded(picture.encoded.at(element.x, element.y)), gain(geometry.gain.at(element.x, element.y));
   const glm::dmat3& to_xyz = geometry.light_to_xyz;
@@ -90,7 +90,7 @@ float half_a_step(const glm::ivec2& element, const SkyPicture& picture, const Sk
 }
 
 // Standard deviation of T by an offset of all values anywhere within half a step. `half_steps`: of each sample.
-double sigma_of_offset(std::vector<SkySample> samples, std::span<const float> half_steps,
+double sigma_of_offset(std::vector<LuminanceSample> samples, std::span<const float> half_steps,
                        const TurbiditySolution& solution) {
   std::vector<double> weights(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i)
@@ -104,14 +104,14 @@ double sigma_of_offset(std::vector<SkySample> samples, std::span<const float> ha
 
 // Where Preetham's sky fits exactly, his own fit of luminance alone is more precise, and what users of T expect.
 // `readings`: one per sample; their light is a mean, of which rounding and noise leave about half.
-void sharpen_papers(SkyFit& fit, std::span<const SkySample> samples, std::span<const SkyReading> readings,
-                    std::span<const float> half_steps, const EstimateOptions& options) {
+void sharpen_papers(SkyFit& fit, std::span<const LuminanceSample> samples, std::span<const SkyReading> readings,
+                    std::span<const float> half_steps, const EstimateParameters& options) {
   constexpr float kLeft = 0.5f;  // of rounding and noise, see above
   const glm::dmat3 to_xyz = glm::inverse(xyz_to_linear_srgb());
-  std::vector<SkySample> apart;
+  std::vector<LuminanceSample> apart;
   std::vector<float> apart_half_steps;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    SkySample sample = samples[i];
+    LuminanceSample sample = samples[i];
     if (static_cast<double>(sample.sun_distance) < options.limits.least_sun_distance.value) continue;
     sample.log_luminance = static_cast<float>(std::log((to_xyz * readings[i].light).y));
     sample.sigma *= kLeft;
@@ -139,15 +139,16 @@ void doubt_camera(SkyFit& fit, double doubt_of_aod) {
   fit.sigma_turbidity = std::hypot(fit.sigma_turbidity, per_aod * doubt_of_aod);
 }
 
-SkyEvidence ask_every_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
-                            const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                            const EstimateOptions& options) {
-  SkyEvidence evidence;
+VerdictEvidence ask_every_model(TurbidityObservation& observation, ElementLight sky,
+                                const ExposureStatistics& statistics, const SkyPicture& picture,
+                                const ElementGeometry& geometry, const Camera& camera,
+                                const EstimateParameters& options) {
+  VerdictEvidence evidence;
   evidence.statistics = statistics;
   const SunDirection sun = observation.estimate.sun;
   const InstrumentDoubt doubt = doubt_of(camera);
   std::mt19937_64 random(options.seed);
-  SkyReadings drawn;
+  ElementReadings drawn;
   const auto fit = [&] {
     SampleLimits limits = options.limits;
     limits.least_sun_distance = kNearestToSun;
@@ -183,7 +184,7 @@ SkyEvidence ask_every_model(SkyObservation& observation, SkyLight sky, const Sky
   }
   observation.use = std::move(sky.use);
   if (!evidence.fit.solved) return evidence;
-  if (observation.sky.model == SiteSkyModel::preetham) {
+  if (observation.sky.model == DaylightModel::preetham) {
     std::vector<float> half_steps;
     for (const glm::ivec2& e : drawn.elements) half_steps.push_back(half_a_step(e, picture, geometry, camera));
     sharpen_papers(evidence.fit, observation.samples, drawn.readings, half_steps, options);
@@ -201,7 +202,7 @@ SkyEvidence ask_every_model(SkyObservation& observation, SkyLight sky, const Sky
   estimate.sigma = evidence.fit.sigma_turbidity;
   estimate.log_residual = evidence.fit.log_residual;
   estimate.found = evidence.fit.found;
-  for (const SkyModelFit& model : evidence.fit.models) estimate.models.push_back(model.answer);
+  for (const ModelFit& model : evidence.fit.models) estimate.models.push_back(model.answer);
   estimate.samples = evidence.agreeing;
   const auto samples = static_cast<double>(observation.samples.size());
   estimate.clear_fraction = samples > 0.0 ? evidence.air.clear_fraction * evidence.agreeing / samples : 0.0;
@@ -210,12 +211,12 @@ SkyEvidence ask_every_model(SkyObservation& observation, SkyLight sky, const Sky
 
 }  // namespace
 
-std::optional<Refusal> observe_by_every_model(SkyObservation& observation, SkyLight sky,
-                                              const SkyStatistics& statistics, const SkyPicture& picture,
-                                              const SkyGeometry& geometry, const Camera& camera,
-                                              const EstimateOptions& options) {
+std::optional<Refusal> observe_by_every_model(TurbidityObservation& observation, ElementLight sky,
+                                              const ExposureStatistics& statistics, const SkyPicture& picture,
+                                              const ElementGeometry& geometry, const Camera& camera,
+                                              const EstimateParameters& options) {
   const SunDirection sun = observation.estimate.sun;
-  const SkyLook look = options.mask_clouds ? look_of(picture, geometry, sky, sun) : SkyLook{};
+  const ColourStatistics look = options.mask_clouds ? look_of(picture, geometry, sky, sun) : ColourStatistics{};
   if (auto refusal = refuse_by_look(look, statistics.brightest)) {
     std::ranges::replace(sky.use.elements(), PixelUse::clear, PixelUse::cloud);
     observation.use = std::move(sky.use);
@@ -223,20 +224,20 @@ std::optional<Refusal> observe_by_every_model(SkyObservation& observation, SkyLi
   }
   SampleLimits nearer = options.limits;
   nearer.least_sun_distance = std::min(nearer.least_sun_distance, kNearestToSun);
-  SkyEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, camera, sun, nearer), statistics,
-                                         picture, geometry, camera, options);
+  VerdictEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, camera, sun, nearer), statistics,
+                                             picture, geometry, camera, options);
   evidence.look = look;
   double& clear_fraction = observation.estimate.clear_fraction;
   if (look.places >= kFewestPlaces) clear_fraction = std::min(clear_fraction, look.smooth);
   return refuse_by_evidence(evidence, options);
 }
 
-SkyToFit followed(const SkyFit& fit, SkyToFit sky) {
+ModelToFit followed(const SkyFit& fit, ModelToFit sky) {
   if (fit.found.papers_share > 0.5) {
-    sky.model = SiteSkyModel::preetham;
+    sky.model = DaylightModel::preetham;
     sky.aerosol.reset();
   } else {
-    sky.model = SiteSkyModel::dome;
+    sky.model = DaylightModel::dome;
     sky.aerosol = fit.found.aerosol;
   }
   return sky;

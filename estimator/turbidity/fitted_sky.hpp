@@ -16,8 +16,8 @@ namespace kasumi {
 class FittedSky {
  public:
   FittedSky() = default;  // Preetham's
-  FittedSky(const SkyToFit& sky, const SunDirection& sun) {
-    if (resolved(sky.model, sky.altitude_m) == SiteSkyModel::dome) dome_.emplace(sky.altitude_m, sun, sky.aerosol);
+  FittedSky(const ModelToFit& sky, const SunDirection& sun) {
+    if (resolved(sky.model, sky.altitude_m) == DaylightModel::dome) dome_.emplace(sky.altitude_m, sun, sky.aerosol);
   }
   const DomeLog* dome() const { return dome_ ? &*dome_ : nullptr; }  // null: Preetham's
   Turbidity lowest() const { return dome_ ? dome_->lowest() : kLowestTurbidity; }
@@ -37,15 +37,15 @@ class FittedSky {
 // The same at fixed places for many T, with the derivative.
 class FittedPlaces {
  public:
-  FittedPlaces(std::span<const SkySample> samples, const FittedSky& sky) {
+  FittedPlaces(std::span<const LuminanceSample> samples, const FittedSky& sky) {
     if (sky.dome()) {
       log_ = *sky.dome();
       dome_.reserve(samples.size());
-      for (const SkySample& s : samples)
+      for (const LuminanceSample& s : samples)
         dome_.push_back(log_->at(std::cos(double{s.zenith}), std::cos(double{s.sun_distance})));
     } else {
       perez_.reserve(samples.size());
-      for (const SkySample& s : samples) perez_.push_back(perez_point(s));
+      for (const LuminanceSample& s : samples) perez_.push_back(perez_point(s));
     }
   }
   // use(i, ln F, d ln F / dT) for every place.

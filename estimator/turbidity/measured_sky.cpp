@@ -37,7 +37,7 @@ struct Patch {
   double open = 0.0, judged = 0.0, cloud = 0.0;
   double saturated = 0.0, coloured = 0.0;  // in all channels; in any
 };
-Patch patch_at(const SkyPicture& picture, const SkyGeometry& geometry, const Image<PixelUse>& use,
+Patch patch_at(const SkyPicture& picture, const ElementGeometry& geometry, const Image<PixelUse>& use,
                const Direction& centre, Radians radius) {
   const auto least = static_cast<float>(std::cos(radius.value));
   const glm::vec3 towards(centre);
@@ -76,7 +76,7 @@ double share_by_disc(const Patch& core, const Patch& around) {
 
 }  // namespace
 
-const SkyCell& MeasuredSky::at(const Direction& direction) const {
+const MeasuredCell& MeasuredSky::at(const Direction& direction) const {
   return cells[index_of(direction)];
 }
 
@@ -90,7 +90,7 @@ Direction towards_shading_cloud(const glm::dvec3& object_m, const SunDirection& 
   return glm::normalize(object_m + climb / sun.z * sun);
 }
 
-MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
+MeasuredSky measure_sky(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
                         const Image<PixelUse>& use, SkyCondition condition, const SunDirection& sun,
                         const Direction& through, double uncovered_sun) {
   MeasuredSky sky;
@@ -130,7 +130,7 @@ MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, 
   for (int ring = 0; ring < MeasuredSky::kRings; ++ring)
     for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
       const std::size_t i = index_of(ring, sector);
-      SkyCell& cell = sky.cells[i];
+      MeasuredCell& cell = sky.cells[i];
       if (open[i] > 0.0) cell.xyz /= open[i];
       if (looked[i] > 0) cell.seen = static_cast<double>(free[i]) / looked[i];
       // In cells too low to be classified, clouds are assumed as just above.

@@ -15,7 +15,7 @@
 
 namespace kasumi {
 
-struct SkyCell {
+struct MeasuredCell {
   glm::dvec3 xyz{0.0};   // mean radiance, in the sky camera's own unit
   double seen = 0.0;     // share of the cell that is open to the camera; 0 where it does not look
   double clear = 0.0;    // share of that which is clear air
@@ -24,10 +24,10 @@ struct SkyCell {
 
 struct MeasuredSky {
   static constexpr int kRings = 18, kSectors = 36;  // 5 deg of zenith angle by 10 deg of azimuth
-  std::array<SkyCell, static_cast<std::size_t>(kRings) * kSectors> cells{};
+  std::array<MeasuredCell, static_cast<std::size_t>(kRings) * kSectors> cells{};
   double sun_share = 1.0;  // of the direct sunlight that reaches the object, 0 under a cloud
 
-  const SkyCell& at(const Direction& direction) const;  // at and below the horizon the lowest ring
+  const MeasuredCell& at(const Direction& direction) const;  // at and below the horizon the lowest ring
   static Direction centre_of(int ring, int sector);
 };
 
@@ -36,10 +36,10 @@ struct MeasuredSky {
 // too low.
 Direction towards_shading_cloud(const glm::dvec3& object_m, const SunDirection& sun, double cloud_base_m);
 
-// `use`: for every element of the picture, clouds marked (OwnSky::use). It separates clouds from clear air. The sun's
-// disc is recognised by its saturated pixels; where there is none, `uncovered_sun` (OwnSky) stands for it. `through`:
+// `use`: for every element of the picture, clouds marked (SmoothAureole::use). It separates clouds from clear air. The sun's
+// disc is recognised by its saturated pixels; where there is none, `uncovered_sun` (SmoothAureole) stands for it. `through`:
 // where a cloud would shade the object.
-MeasuredSky measure_sky(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
+MeasuredSky measure_sky(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
                         const Image<PixelUse>& use, SkyCondition condition, const SunDirection& sun,
                         const Direction& through, double uncovered_sun = 0.0);
 

@@ -12,9 +12,10 @@ constexpr double kSmallestOutlier = 0.004;  // ... and at least this much of ln 
 
 }  // namespace
 
-std::optional<Refusal> observe_by_one_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
-                                            const SkyPicture& picture, const SkyGeometry& geometry,
-                                            const Camera& camera, const EstimateOptions& options) {
+std::optional<Refusal> observe_by_one_model(TurbidityObservation& observation, ElementLight sky,
+                                            const ExposureStatistics& statistics, const SkyPicture& picture,
+                                            const ElementGeometry& geometry, const Camera& camera,
+                                            const EstimateParameters& options) {
   TurbidityEstimate& estimate = observation.estimate;
   const SunDirection& sun = estimate.sun;
   const FittedSky fitted(observation.sky, sun);

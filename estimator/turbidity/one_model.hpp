@@ -6,10 +6,11 @@
 
 namespace kasumi {
 
-// `sky`: of the picture, clouds not marked; afterwards they are (SkyObservation::use). Fills all of the observation but
+// `sky`: of the picture, clouds not marked; afterwards they are (TurbidityObservation::use). Fills all of the observation but
 // what the verdict says: why it is not to be believed; empty: it is.
-std::optional<Refusal> observe_by_one_model(SkyObservation& observation, SkyLight sky, const SkyStatistics& statistics,
-                                            const SkyPicture& picture, const SkyGeometry& geometry,
-                                            const Camera& camera, const EstimateOptions& options);
+std::optional<Refusal> observe_by_one_model(TurbidityObservation& observation, ElementLight sky,
+                                            const ExposureStatistics& statistics, const SkyPicture& picture,
+                                            const ElementGeometry& geometry, const Camera& camera,
+                                            const EstimateParameters& options);
 
 }  // namespace kasumi

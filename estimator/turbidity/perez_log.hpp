@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 #include "estimator/turbidity/sky_samples.hpp"
 
 namespace kasumi {
@@ -14,7 +14,7 @@ struct PerezPoint {
   double gamma = 0.0;       // distance from the sun [rad]
   double cos2_gamma = 1.0;
 };
-inline PerezPoint perez_point(const SkySample& sample) {
+inline PerezPoint perez_point(const LuminanceSample& sample) {
   const auto gamma = static_cast<double>(sample.sun_distance);
   const double cosine = std::cos(gamma);
   return {1.0 / clamp_cosine(std::cos(static_cast<double>(sample.zenith))), gamma, cosine * cosine};

@@ -22,7 +22,7 @@ constexpr Radians kGlareEnds = from_degrees(10.0);
 // Distance from the optical axis in the picture, 1 where the lens ends.
 class OffAxis {
  public:
-  OffAxis(const Camera& camera, const SkyPicture& picture, const SkyGeometry& geometry) : picture_(picture) {
+  OffAxis(const Camera& camera, const SkyPicture& picture, const ElementGeometry& geometry) : picture_(picture) {
     centre_ = camera.lens->project({0.0, 0.0, 1.0}).value_or(0.5 * glm::dvec2{camera.width - 1, camera.height - 1});
     for (int y = 0; y < geometry.direction.height(); ++y)
       for (int x = 0; x < geometry.direction.width(); ++x)
@@ -39,12 +39,12 @@ class OffAxis {
 
 }  // namespace
 
-SkyReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture, const SkyGeometry& geometry,
-                        const SkyLight& sky, const Camera& camera, const SunDirection& sun,
-                        const SampleLimits& limits) {
+ElementReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
+                            const ElementGeometry& geometry, const ElementLight& sky, const Camera& camera,
+                            const SunDirection& sun, const SampleLimits& limits) {
   const OffAxis off_axis(camera, picture, geometry);
   const glm::dmat3 to_srgb = xyz_to_linear_srgb() * geometry.light_to_xyz;
-  SkyReadings found;
+  ElementReadings found;
   for (const glm::ivec2& e : elements) {
     glm::dvec3 light{0.0}, variance{0.0}, coarse{0.0};
     int count = 0;

@@ -9,14 +9,15 @@
 
 namespace kasumi {
 
-struct SkyReadings {
+struct ElementReadings {
   std::vector<SkyReading> readings;
   std::vector<glm::ivec2> elements;  // one per reading
 };
 
 // Means over the clear ones of 3 x 3 elements around each of `elements`; left out where a colour is not above 0.
-SkyReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture, const SkyGeometry& geometry,
-                        const SkyLight& sky, const Camera& camera, const SunDirection& sun, const SampleLimits& limits);
+ElementReadings readings_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
+                            const ElementGeometry& geometry, const ElementLight& sky, const Camera& camera,
+                            const SunDirection& sun, const SampleLimits& limits);
 
 // How uncertain this camera is: measured colours are more certain than an automatic white balance, and measured
 // vignetting more certain than a lens's usual one.

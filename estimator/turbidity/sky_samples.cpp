@@ -59,20 +59,20 @@ double uniform(std::mt19937_64& random) {
   return static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
-bool SkyGeometry::fits(const SkyPicture& picture) const {
+bool ElementGeometry::fits(const SkyPicture& picture) const {
   return direction.width() == picture.encoded.width() && direction.height() == picture.encoded.height() &&
          step == picture.step && first == picture.first;
 }
 
-SkyGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
+ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
-  SkyGeometry geometry{Image<glm::vec3>(width, height),
-                       Image<glm::vec3>(width, height),
-                       Image<float>(width, height),
-                       Image<std::uint8_t>(width, height),
-                       camera.light_to_xyz(),
-                       picture.step,
-                       picture.first};
+  ElementGeometry geometry{Image<glm::vec3>(width, height),
+                           Image<glm::vec3>(width, height),
+                           Image<float>(width, height),
+                           Image<std::uint8_t>(width, height),
+                           camera.light_to_xyz(),
+                           picture.step,
+                           picture.first};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const glm::dvec2 pixel = picture.camera_pixel(x, y);
@@ -88,8 +88,8 @@ SkyGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
   return geometry;
 }
 
-SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                   const SunDirection& sun, const SampleLimits& limits) {
+ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
+                       const SunDirection& sun, const SampleLimits& limits) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
   const LightTable table(camera.response);
   const glm::dmat3& to_xyz = geometry.light_to_xyz;
@@ -100,8 +100,8 @@ SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const
   const auto saturated = static_cast<float>(limits.saturated);
   const auto dark = static_cast<float>(limits.dark_quanta * picture.quantum);
 
-  SkyLight sky{Image<PixelUse>(width, height, PixelUse::outside), Image<glm::vec3>(width, height),
-               Image<float>(width, height)};
+  ElementLight sky{Image<PixelUse>(width, height, PixelUse::outside), Image<glm::vec3>(width, height),
+                   Image<float>(width, height)};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const glm::vec3& direction = geometry.direction.at(x, y);
@@ -126,7 +126,7 @@ SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const
   return sky;
 }
 
-std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& geometry, int count,
+std::vector<glm::ivec2> draw_elements(const ElementLight& sky, const ElementGeometry& geometry, int count,
                                       std::mt19937_64& random) {
   std::vector<glm::ivec2> clear;
   std::vector<double> up_to;  // cumulative solid angle of the elements
@@ -154,12 +154,12 @@ std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& ge
   return drawn;
 }
 
-std::vector<SkySample> samples_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
-                                  const SkyGeometry& geometry, const SkyLight& sky, const Camera& camera,
-                                  const SunDirection& sun, const SampleLimits& limits) {
+std::vector<LuminanceSample> samples_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
+                                        const ElementGeometry& geometry, const ElementLight& sky, const Camera& camera,
+                                        const SunDirection& sun, const SampleLimits& limits) {
   const glm::dmat3& to_xyz = geometry.light_to_xyz;
   const glm::dvec3 luminance{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
-  std::vector<SkySample> samples;
+  std::vector<LuminanceSample> samples;
   samples.reserve(elements.size());
   for (const glm::ivec2& e : elements) {
     const glm::dvec3 direction(geometry.direction.at(e.x, e.y));
@@ -169,7 +169,7 @@ std::vector<SkySample> samples_at(std::span<const glm::ivec2> elements, const Sk
     // d ln Y of one step of the encoded value, uniformly distributed over it; and of the photon count.
     const glm::dvec3 step = share * camera.response.slope(encoded) * picture.quantum;
     const glm::dvec3 photons = share * limits.shot_noise * glm::sqrt(camera.response.to_light(encoded));
-    SkySample sample;
+    LuminanceSample sample;
     sample.zenith = static_cast<float>(zenith_angle(direction).value);
     sample.sun_distance = static_cast<float>(angle_between(direction, sun).value);
     sample.log_luminance = sky.log_luminance.at(e.x, e.y);

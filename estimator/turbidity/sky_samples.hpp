@@ -24,7 +24,7 @@ struct SampleLimits {
 };
 
 // One sky pixel.
-struct SkySample {
+struct LuminanceSample {
   float zenith = 0.0f;         // [rad]
   float sun_distance = 0.0f;   // gamma [rad]
   float log_luminance = 0.0f;  // ln Y, any unit: the gain is free
@@ -33,7 +33,7 @@ struct SkySample {
 };
 
 // What stays the same from picture to picture: one element per element of a SkyPicture.
-struct SkyGeometry {
+struct ElementGeometry {
   Image<glm::vec3> direction;  // world frame; zero where the lens does not reach
   Image<glm::vec3> gain;       // light of a full-scale pixel: vignetting and white balance undone
   Image<float> solid_angle;    // [sr] of the element
@@ -43,27 +43,27 @@ struct SkyGeometry {
   glm::dvec2 first{};
   bool fits(const SkyPicture& picture) const;
 };
-SkyGeometry sky_geometry(const Camera& camera, const SkyPicture& picture);
+ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture);
 
 // Why an element is not sampled.
 enum class PixelUse : std::uint8_t { outside, near_sun, saturated, dark, cloud, clear };
 
 // Light of every element and whether it may be sampled; clouds are not yet marked.
-struct SkyLight {
+struct ElementLight {
   Image<PixelUse> use;
   Image<glm::vec3> light;      // linear camera channels, vignetting and white balance removed; where use is clear
   Image<float> log_luminance;  // where use is clear
 };
-SkyLight sky_light(const SkyPicture& picture, const SkyGeometry& geometry, const Camera& camera,
-                   const SunDirection& sun, const SampleLimits& limits);
+ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
+                       const SunDirection& sun, const SampleLimits& limits);
 
 // `count` elements whose use is clear, drawn uniformly in solid angle, without repetition; all of them if there are
 // fewer.
-std::vector<glm::ivec2> draw_elements(const SkyLight& sky, const SkyGeometry& geometry, int count,
+std::vector<glm::ivec2> draw_elements(const ElementLight& sky, const ElementGeometry& geometry, int count,
                                       std::mt19937_64& random);
-std::vector<SkySample> samples_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
-                                  const SkyGeometry& geometry, const SkyLight& sky, const Camera& camera,
-                                  const SunDirection& sun, const SampleLimits& limits);
+std::vector<LuminanceSample> samples_at(std::span<const glm::ivec2> elements, const SkyPicture& picture,
+                                        const ElementGeometry& geometry, const ElementLight& sky, const Camera& camera,
+                                        const SunDirection& sun, const SampleLimits& limits);
 
 // The same doubles from the same seed with every standard library: [0, 1).
 double uniform(std::mt19937_64& random);

@@ -57,7 +57,7 @@ Refusal dull(double brightest) {
 
 }  // namespace
 
-std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOptions& options) {
+std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateParameters& options) {
   if (!std::isfinite(sun.x) || !std::isfinite(sun.y) || !std::isfinite(sun.z) ||
       std::abs(glm::length(sun) - 1.0) > 1e-3)
     return refusal(SkyCondition::unknown, "the sun's direction is unknown");
@@ -71,10 +71,10 @@ std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimateOpti
   return std::nullopt;
 }
 
-SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geometry, const SkyLight& sky) {
+ExposureStatistics statistics_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& sky) {
   // 24 patches: enough to see a gradient, each with enough elements for a median.
   constexpr int kRings = 3, kSectors = 8;
-  SkyStatistics statistics;
+  ExposureStatistics statistics;
   std::array<std::vector<float>, kRings * kSectors> patches;
   std::vector<float> levels;
   for (int y = 0; y < sky.use.height(); ++y)
@@ -114,7 +114,7 @@ SkyStatistics statistics_of(const SkyPicture& picture, const SkyGeometry& geomet
   return statistics;
 }
 
-std::optional<Refusal> refuse_by_light(const SkyStatistics& s, const SunDirection& sun) {
+std::optional<Refusal> refuse_by_light(const ExposureStatistics& s, const SunDirection& sun) {
   const double elevation = 90.0 - to_degrees(zenith_angle(sun));
   if (!(s.solid_angle > 0.05))
     return refusal(SkyCondition::unknown,
@@ -138,7 +138,7 @@ std::optional<Refusal> refuse_by_light(const SkyStatistics& s, const SunDirectio
   return std::nullopt;
 }
 
-RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolution& fit, const FittedSky& sky) {
+RivalSkies compare_skies(std::span<const LuminanceSample> samples, const TurbiditySolution& fit, const FittedSky& sky) {
   if (samples.empty()) return {};
   std::vector<double> residuals(samples.size());
   const auto log_y = [&](std::size_t i) { return static_cast<double>(samples[i].log_luminance); };
@@ -163,12 +163,12 @@ RivalSkies compare_skies(std::span<const SkySample> samples, const TurbiditySolu
 }
 
 std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, double mask_clear, double brightest,
-                                     const RivalSkies& rivals, const EstimateOptions& options) {
+                                     const RivalSkies& rivals, const EstimateParameters& options) {
   const double agreement = drawn > 0 ? static_cast<double>(fit.inliers) / drawn : 0.0;
   const double clouds = 100.0 * (1.0 - mask_clear);
   // A dome fits a cloth worse than a grey sky does.
   const bool papers = !options.sky.every_model && resolved(options.sky.model, options.sky.altitude_m,
-                                                           options.sky.aerosol.has_value()) == SiteSkyModel::preetham;
+                                                           options.sky.aerosol.has_value()) == DaylightModel::preetham;
   if (brightest < kSunVisible && !papers) return dull(brightest);
   // A sky that depends on elevation but not on the sun explains the picture better than any clear sky.
   if (drawn > 0 && rivals.clear > kGoodFit && rivals.grey < kGreySky && rivals.grey < kBetter * rivals.clear)
@@ -213,7 +213,7 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
   return std::nullopt;
 }
 
-std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest) {
+std::optional<Refusal> refuse_by_look(const ColourStatistics& look, double brightest) {
   if (look.places < kFewestPlaces || look.colour_span > kColourless || look.bluest < kBlue) return std::nullopt;
   if (brightest < kSunVisible && look.bluest > kRed)
     return refusal(SkyCondition::covered_lens,
@@ -237,7 +237,7 @@ std::optional<Refusal> refuse_by_look(const SkyLook& look, double brightest) {
 namespace {
 
 // What shows between clouds is used where it is a clear sky beyond doubt.
-std::optional<Refusal> refuse_broken_clouds(const SkyLook& look, const SkyFit& gaps) {
+std::optional<Refusal> refuse_broken_clouds(const ColourStatistics& look, const SkyFit& gaps) {
   if (look.places < kFewestPlaces || (gaps.solved && gaps.log_residual < kGapsFit)) return std::nullopt;
   const SkyCondition sky = look.cover > kMostlyCovered ? SkyCondition::overcast : SkyCondition::partly_cloudy;
   if (look.cover > kBroken)
@@ -248,7 +248,8 @@ std::optional<Refusal> refuse_broken_clouds(const SkyLook& look, const SkyFit& g
 }
 
 // A cloudless sky that no model explains: what of the camera does.
-std::optional<Refusal> refuse_by_fault(const FaultFinding& fault, const SkyFit& fit, const EstimateOptions& options) {
+std::optional<Refusal> refuse_by_fault(const FaultFinding& fault, const SkyFit& fit,
+                                       const EstimateParameters& options) {
   const bool known = fault.found && fault.log_residual > kFaultTold;
   if (!known && !(std::max(fault.log_residual, fit.log_residual) > options.largest_log_residual)) return std::nullopt;
   return refusal(SkyCondition::unknown, text_of(fault));
@@ -256,7 +257,7 @@ std::optional<Refusal> refuse_by_fault(const FaultFinding& fault, const SkyFit& 
 
 }  // namespace
 
-std::optional<Refusal> refuse_by_evidence(const SkyEvidence& evidence, const EstimateOptions& options) {
+std::optional<Refusal> refuse_by_evidence(const VerdictEvidence& evidence, const EstimateParameters& options) {
   if (evidence.statistics.brightest < kSunVisible) return dull(evidence.statistics.brightest);
   if (auto refused = refuse_broken_clouds(evidence.look, evidence.fit)) return refused;
   if (evidence.fit.solved)
@@ -268,7 +269,7 @@ std::optional<Refusal> refuse_by_evidence(const SkyEvidence& evidence, const Est
   fit.log_residual = evidence.fit.log_residual;
   fit.inliers = evidence.agreeing;
   // An honest large sigma is better than no answer.
-  EstimateOptions wide = options;
+  EstimateParameters wide = options;
   wide.largest_relative_sigma = std::numeric_limits<double>::infinity();
   if (auto refused = refuse_by_fit(fit, evidence.readings, evidence.air.clear_fraction, evidence.statistics.brightest,
                                    evidence.rivals, wide)) {

@@ -20,7 +20,7 @@ constexpr double kLeastVariance = 1e-10;   // of ln Y: keeps the weights of a no
 // Variable projection: for every T the best ln k is the weighted mean residual, which leaves one unknown.
 class LeastSquares {
  public:
-  LeastSquares(std::span<const SkySample> samples, const FittedSky& sky)
+  LeastSquares(std::span<const LuminanceSample> samples, const FittedSky& sky)
 
       : places_(samples, sky),
         lowest_(sky.lowest().value),
@@ -28,7 +28,7 @@ class LeastSquares {
         residual_(samples.size()),
         slope_(samples.size()) {
     log_y_.reserve(samples.size());
-    for (const SkySample& sample : samples) log_y_.push_back(static_cast<double>(sample.log_luminance));
+    for (const LuminanceSample& sample : samples) log_y_.push_back(static_cast<double>(sample.log_luminance));
   }
 
   // ln Y - ln F and d ln F / dT at the T last evaluated.
@@ -92,8 +92,8 @@ class LeastSquares {
 // correlated.
 class Patches {
  public:
-  Patches(std::span<const SkySample> samples, std::span<const double> weights, const LeastSquares& fit, double log_gain,
-          double mean_slope) {
+  Patches(std::span<const LuminanceSample> samples, std::span<const double> weights, const LeastSquares& fit,
+          double log_gain, double mean_slope) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (!(weights[i] > 0.0)) continue;
       const int z = std::min(kZenith - 1, static_cast<int>(static_cast<double>(samples[i].zenith) / kSide));
@@ -165,10 +165,10 @@ class Patches {
   std::array<Patch, kZenith * kSun> patches_{};
 };
 
-std::vector<double> own_variances(std::span<const SkySample> samples) {
+std::vector<double> own_variances(std::span<const LuminanceSample> samples) {
   std::vector<double> own;
   own.reserve(samples.size());
-  for (const SkySample& sample : samples) own.push_back(square(static_cast<double>(sample.sigma)));
+  for (const LuminanceSample& sample : samples) own.push_back(square(static_cast<double>(sample.sigma)));
   return own;
 }
 
@@ -231,7 +231,7 @@ double rms_of_inliers(const LeastSquares& fit, const Agreement& agreed) {
 }
 
 // A lower bound of T's standard deviation, set by the picture's quantisation however well its steps seem to fit.
-double quantisation_bound(std::span<const SkySample> samples, const LeastSquares& fit, const Agreement& agreed) {
+double quantisation_bound(std::span<const LuminanceSample> samples, const LeastSquares& fit, const Agreement& agreed) {
   double q = 0.0, qs = 0.0, qss = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (agreed.inlier[i] == 0) continue;
@@ -255,7 +255,7 @@ struct ErrorBudget {
   double largest() const { return std::max({residuals, patches, model, quantisation}); }
 };
 
-ErrorBudget error_budget(std::span<const SkySample> samples, const LeastSquares& fit, const Agreement& agreed) {
+ErrorBudget error_budget(std::span<const LuminanceSample> samples, const LeastSquares& fit, const Agreement& agreed) {
   double chi = 0.0, mean_slope = 0.0, weight = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (agreed.inlier[i] == 0) continue;
@@ -278,12 +278,12 @@ bool is_at_edge(Turbidity turbidity, const FittedSky& sky) {
 
 }  // namespace
 
-LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
-                               const FittedSky& sky) {
+LocalSolution refine_turbidity(std::span<const LuminanceSample> samples, std::span<const double> weights,
+                               Turbidity start, const FittedSky& sky) {
   return LeastSquares(samples, sky).solve(weights, clamp_turbidity(start).value);
 }
 
-TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options,
+TurbiditySolution solve_turbidity(std::span<const LuminanceSample> samples, const SolverWindows& options,
                                   const FittedSky& sky) {
   TurbiditySolution solution;
   solution.inlier.assign(samples.size(), 0);

@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-struct SolverOptions {
+struct SolverWindows {
   double narrowest_window = 0.01;  // half width in ln Y: the finest consensus considered
   double widest_window = 0.32;     // and the coarsest
 };
@@ -31,7 +31,7 @@ struct TurbiditySolution {
 // Free gain, global, robust. Residual r_i = ln Y_i - ln k - ln F(theta_i, gamma_i; T) (physics 2). Consensus over a
 // grid of T (exhaustive, so the result does not depend on chance) with the window's width chosen by the data, then
 // graduated non-convexity from there, then weighted least squares over the inliers to the optimum.
-TurbiditySolution solve_turbidity(std::span<const SkySample> samples, const SolverOptions& options = {},
+TurbiditySolution solve_turbidity(std::span<const LuminanceSample> samples, const SolverWindows& options = {},
                                   const FittedSky& sky = {});
 
 // Weighted least squares in (T, ln k) from a start value, not robust: variable projection of ln k, Gauss-Newton in T.
@@ -43,7 +43,7 @@ struct LocalSolution {
   double cost = 0.0;         // sum of w r^2
   bool converged = false;
 };
-LocalSolution refine_turbidity(std::span<const SkySample> samples, std::span<const double> weights, Turbidity start,
-                               const FittedSky& sky = {});
+LocalSolution refine_turbidity(std::span<const LuminanceSample> samples, std::span<const double> weights,
+                               Turbidity start, const FittedSky& sky = {});
 
 }  // namespace kasumi

@@ -2,8 +2,8 @@
 
 #include "estimator/turbidity/every_model.hpp"
 #include "estimator/turbidity/one_model.hpp"
-#include "estimator/turbidity/own_sky.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
+#include "estimator/turbidity/smooth_aureole.hpp"
 
 namespace kasumi {
 
@@ -13,13 +13,13 @@ constexpr double kClearSky = 0.80;  // from this share on the sky is called clea
 
 }  // namespace
 
-SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirection& sun,
-                                    const EstimateOptions& options) {
-  SkyObservation observation;
+TurbidityObservation SkyObserver::observe(const SkyPicture& picture, const SunDirection& sun,
+                                          const EstimateParameters& options) {
+  TurbidityObservation observation;
   TurbidityEstimate& estimate = observation.estimate;
   estimate.sun = sun;
   observation.sky = options.sky;
-  const auto refuse = [&observation](const Refusal& refusal) -> SkyObservation {
+  const auto refuse = [&observation](const Refusal& refusal) -> TurbidityObservation {
     observation.estimate.usable = false;
     observation.estimate.sky = refusal.sky;
     observation.estimate.reason = refusal.reason;
@@ -28,8 +28,8 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
   if (const auto refusal = refuse_by_sun(sun, options)) return refuse(*refusal);
 
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
-  SkyLight sky = sky_light(picture, *geometry_, camera_, sun, options.limits);
-  const SkyStatistics statistics = statistics_of(picture, *geometry_, sky);
+  ElementLight sky = sky_light(picture, *geometry_, camera_, sun, options.limits);
+  const ExposureStatistics statistics = statistics_of(picture, *geometry_, sky);
   if (const auto refusal = refuse_by_light(statistics, sun)) {
     observation.use = std::move(sky.use);
     return refuse(*refusal);
@@ -44,7 +44,7 @@ SkyObservation SkyObserver::observe(const SkyPicture& picture, const SunDirectio
   return observation;
 }
 
-std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const SkyObservation& observation,
+std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const TurbidityObservation& observation,
                                                 const Direction& through) {
   const TurbidityEstimate& estimate = observation.estimate;
   const bool clouds_known =
@@ -53,12 +53,12 @@ std::optional<MeasuredSky> SkyObserver::measure(const SkyPicture& picture, const
       observation.use.height() != picture.encoded.height())
     return std::nullopt;
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
-  const OwnSky own = own_sky(picture, *geometry_, camera_, observation.use, estimate.sun);
+  const SmoothAureole own = smooth_aureole(picture, *geometry_, camera_, observation.use, estimate.sun);
   return measure_sky(picture, *geometry_, camera_, own.use, estimate.sky, estimate.sun, through, own.uncovered_sun);
 }
 
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
-                                     const EstimateOptions& options) {
+                                     const EstimateParameters& options) {
   return SkyObserver(camera).observe(picture, sun, options).estimate;
 }
 

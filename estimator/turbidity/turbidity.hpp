@@ -18,17 +18,17 @@
 
 namespace kasumi {
 
-using OneModelSolver = std::function<TurbiditySolution(std::span<const SkySample>)>;
+using TurbiditySolver = std::function<TurbiditySolution(std::span<const LuminanceSample>)>;
 
-struct EstimateOptions {
+struct EstimateParameters {
   int samples = 400;       // N
   std::uint64_t seed = 1;  // of the drawn samples
   bool mask_clouds = true;
   SampleLimits limits;
-  CloudMaskOptions clouds;
-  SolverOptions solver;
-  SkyToFit sky;
-  OneModelSolver solve;  // instead of solve_turbidity(), of Preetham's sky alone: estimator/papers
+  CloudMaskLimits clouds;
+  SolverWindows solver;
+  ModelToFit sky;
+  TurbiditySolver solve;  // instead of solve_turbidity(), of Preetham's sky alone: estimator/papers
   // Conditions for accepting an estimate.
   Radians lowest_sun = from_degrees(3.0);  // elevation
   double least_clear_fraction = 0.10;      // of the sky examined
@@ -39,10 +39,10 @@ struct EstimateOptions {
 };
 
 // An estimate with all its intermediate results, for a plot or a report.
-struct SkyObservation {
+struct TurbidityObservation {
   TurbidityEstimate estimate;
-  SkyToFit sky;  // the model to which T belongs
-  std::vector<SkySample> samples;
+  ModelToFit sky;  // the model to which T belongs
+  std::vector<LuminanceSample> samples;
   std::vector<glm::ivec2> elements;  // of the SkyPicture, one per sample
   std::vector<std::uint8_t> inlier;  // one per sample
   double log_gain = 0.0;             // ln(measured / model): model_i = log_gain + ln F(sample i; T)
@@ -57,26 +57,27 @@ struct SkyObservation {
 class SkyObserver {
  public:
   explicit SkyObserver(Camera camera) : camera_(std::move(camera)) {}
-  SkyObservation observe(const SkyPicture& picture, const SunDirection& sun, const EstimateOptions& options = {});
+  TurbidityObservation observe(const SkyPicture& picture, const SunDirection& sun,
+                               const EstimateParameters& options = {});
   // The same where neither response nor vignetting of the camera was measured: both are unknowns beside the air, and the
   // estimate's sigma holds what they leave uncertain. It is refused only where that is more than the aerosol depth itself
   // and .2. `clear_air`: as the picture's elements, 1 where colours show neither cloud nor land.
-  SkyObservation observe_by_unknown_camera(const SkyPicture& picture, const SunDirection& sun,
-                                           const Image<std::uint8_t>& clear_air, const CameraBelief& belief,
-                                           const EstimateOptions& options = {});
+  TurbidityObservation observe_by_unknown_camera(const SkyPicture& picture, const SunDirection& sun,
+                                                 const Image<std::uint8_t>& clear_air, const CameraBelief& belief,
+                                                 const EstimateParameters& options = {});
   // The sky of a picture after observe(), for the light on an object; empty when too little of it is visible to improve
   // on the model. `through`: where a cloud would shade the object.
-  std::optional<MeasuredSky> measure(const SkyPicture& picture, const SkyObservation& observation,
+  std::optional<MeasuredSky> measure(const SkyPicture& picture, const TurbidityObservation& observation,
                                      const Direction& through);
   const Camera& camera() const { return camera_; }
 
  private:
   Camera camera_;
-  std::optional<SkyGeometry> geometry_;
+  std::optional<ElementGeometry> geometry_;
 };
 
 // The same for a single picture.
 TurbidityEstimate estimate_turbidity(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
-                                     const EstimateOptions& options = {});
+                                     const EstimateParameters& options = {});
 
 }  // namespace kasumi

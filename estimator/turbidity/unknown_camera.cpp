@@ -24,13 +24,13 @@ Refusal unknown(std::string reason) {
 }
 
 // Elements that are not clear air by the picture's own colours count as cloud.
-void keep_only(SkyLight& sky, const Image<std::uint8_t>& clear_air) {
+void keep_only(ElementLight& sky, const Image<std::uint8_t>& clear_air) {
   for (std::size_t i = 0; i < sky.use.elements().size(); ++i)
     if (auto& use = sky.use.elements()[i]; use == PixelUse::clear && clear_air.elements()[i] == 0)
       use = PixelUse::cloud;
 }
 
-double share_of_sky(const SkyLight& sky) {
+double share_of_sky(const ElementLight& sky) {
   double clear = 0.0, all = 0.0;
   for (const PixelUse use : sky.use.elements()) {
     clear += use == PixelUse::clear;
@@ -39,7 +39,7 @@ double share_of_sky(const SkyLight& sky) {
   return all > 0.0 ? clear / all : 0.0;
 }
 
-std::optional<Refusal> refuse_by_sigma(const UnknownCameraFit& fit, int readings) {
+std::optional<Refusal> refuse_by_sigma(const UncalibratedFit& fit, int readings) {
   if (readings < kFewestReadings || !fit.sky.solved)
     return unknown(fmt::format("{} places of clear sky are too few for an answer, expected at least {}", readings,
                                kFewestReadings));
@@ -54,10 +54,11 @@ std::optional<Refusal> refuse_by_sigma(const UnknownCameraFit& fit, int readings
 
 }  // namespace
 
-SkyObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture, const SunDirection& sun,
-                                                      const Image<std::uint8_t>& clear_air, const CameraBelief& belief,
-                                                      const EstimateOptions& options) {
-  SkyObservation observation;
+TurbidityObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture, const SunDirection& sun,
+                                                            const Image<std::uint8_t>& clear_air,
+                                                            const CameraBelief& belief,
+                                                            const EstimateParameters& options) {
+  TurbidityObservation observation;
   TurbidityEstimate& estimate = observation.estimate;
   estimate.sun = sun;
   observation.sky = options.sky;
@@ -70,7 +71,7 @@ SkyObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture,
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
   SampleLimits limits = options.limits;
   limits.least_sun_distance = std::max(limits.least_sun_distance, kNearestToBloom);
-  SkyLight sky = sky_light(picture, *geometry_, camera_, sun, limits);
+  ElementLight sky = sky_light(picture, *geometry_, camera_, sun, limits);
   const auto by_light = refuse_by_light(statistics_of(picture, *geometry_, sky), sun);
   keep_only(sky, clear_air);
   estimate.clear_fraction = share_of_sky(sky);
@@ -80,13 +81,13 @@ SkyObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture,
   }
 
   std::mt19937_64 random(options.seed);
-  SkyReadings drawn = readings_at(draw_elements(sky, *geometry_, options.samples, random), picture, *geometry_, sky,
-                                  camera_, sun, limits);
+  ElementReadings drawn = readings_at(draw_elements(sky, *geometry_, options.samples, random), picture, *geometry_, sky,
+                                      camera_, sun, limits);
   observation.elements = drawn.elements;
   observation.samples = samples_at(drawn.elements, picture, *geometry_, sky, camera_, sun, limits);
   observation.inlier.assign(observation.samples.size(), 1);
   observation.use = std::move(sky.use);
-  const UnknownCameraFit fit = fit_unknown_camera(drawn.readings, sun, options.sky, belief);
+  const UncalibratedFit fit = fit_unknown_camera(drawn.readings, sun, options.sky, belief);
   estimate.samples = static_cast<int>(drawn.readings.size());
   estimate.log_residual = fit.log_residual;
   observation.readings = std::move(drawn.readings);
@@ -100,7 +101,7 @@ SkyObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& picture,
     estimate.turbidity = fit.sky.turbidity;
     estimate.sigma = fit.sky.sigma_turbidity;
     estimate.found = fit.sky.found;
-    for (const SkyModelFit& model : fit.sky.models) estimate.models.push_back(model.answer);
+    for (const ModelFit& model : fit.sky.models) estimate.models.push_back(model.answer);
   }
   if (const auto refusal = refuse_by_sigma(fit, estimate.samples)) return refuse(*refusal), observation;
   estimate.usable = true;

@@ -58,7 +58,7 @@ std::vector<double> probe_places(double size, std::optional<double> sun) {
 
 }  // namespace
 
-DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Direction& sun, double tolerance) {
+DomeMesh make_dome_mesh(const PanoramaView& view, const DomePainter& painter, const Direction& sun, double tolerance) {
   const glm::dvec2 middle = 0.5 * glm::dvec2(view.width, view.height) - 0.5;
   const auto shown_at = [&](double x, double y) {
     const Direction there = direction_of(view, middle + glm::dvec2(x, y));

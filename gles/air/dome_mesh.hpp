@@ -13,6 +13,6 @@ namespace kasumi {
 struct DomeMesh {
   std::vector<double> columns, rows;
 };
-DomeMesh make_dome_mesh(const SkyView& view, const SkyPainter& painter, const Direction& sun, double tolerance);
+DomeMesh make_dome_mesh(const PanoramaView& view, const DomePainter& painter, const Direction& sun, double tolerance);
 
 }  // namespace kasumi

@@ -24,10 +24,10 @@ namespace {
 // Half a step of 8 bits.
 constexpr double kTolerance = 0.5 / 255.0;
 
-Defines defines_of(SkyProjection projection, SkyKind kind, DomeDetail detail) {
+Defines defines_of(PanoramaProjection projection, SkyKind kind, DomeDetail detail) {
   Defines defines;
-  if (projection == SkyProjection::fisheye) defines.insert("FISHEYE");
-  if (projection == SkyProjection::equirectangular) defines.insert("EQUIRECTANGULAR");
+  if (projection == PanoramaProjection::fisheye) defines.insert("FISHEYE");
+  if (projection == PanoramaProjection::equirectangular) defines.insert("EQUIRECTANGULAR");
   if (kind == SkyKind::preetham1999) defines.insert("PREETHAM");
   if (kind == SkyKind::hoffman_preetham2002) defines.insert("HOFFMAN_PREETHAM");
   if (kind == SkyKind::nielsen2003) defines.insert("NIELSEN");
@@ -108,8 +108,8 @@ Result<GridMesh> rings_of_sun() {
 struct DomeRenderer::State {
   GlTexture dither;
   std::map<std::pair<DomePart, Defines>, Program> programs;
-  SkyView view;
-  SkyScene scene;
+  PanoramaView view;
+  DomeScene scene;
   DomeMesh lines;
   std::optional<GridMesh> mesh, whole, sun, land;
 
@@ -201,14 +201,14 @@ Result<DomeRenderer> DomeRenderer::create(GlContext& context) {
   return DomeRenderer(std::move(state));
 }
 
-Result<> DomeRenderer::set(const SkyView& view, const SkyScene& scene) {
+Result<> DomeRenderer::set(const PanoramaView& view, const DomeScene& scene) {
   if (view.width < 1 || view.height < 1 || !(view.focal_px > 0.0) || !std::isfinite(view.focal_px))
     return fail(FaultKind::bad_input, "a sky of {} x {} pixels with a focal length of {} px: expected all above 0",
                 view.width, view.height, view.focal_px);
   State& s = *state_;
   s.view = view;
   s.scene = scene;
-  s.lines = make_dome_mesh(view, SkyPainter(scene), scene.sun, kTolerance);
+  s.lines = make_dome_mesh(view, DomePainter(scene), scene.sun, kTolerance);
   auto mesh = corners_of(s.lines.columns, s.lines.rows);
   if (!mesh) return fail(mesh.error());
   s.mesh = std::move(*mesh);

@@ -25,7 +25,7 @@ class DomeRenderer {
 
   // Sets view and sky. Takes some milliseconds of CPU time to build the mesh.
   // Errors: bad_input (no size, no focal length), device.
-  Result<> set(const SkyView& view, const SkyScene& scene);
+  Result<> set(const PanoramaView& view, const DomeScene& scene);
   // Kept until replaced; an empty one removes it. Not drawn with Preetham 1999. Errors: bad_input (inconsistent sizes),
   // device.
   Result<> set_land(const DomeLand& land);

@@ -59,7 +59,7 @@ Result<HazeBlur::State> HazeBlur::make_state(const GlInfo& info) const {
   return state;
 }
 
-Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, const HazeBlurOptions& options) {
+Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, const BlurStorage& options) {
   if (width < 1 || height < 1 || width > info.max_texture_size || height > info.max_texture_size)
     return fail(FaultKind::bad_input, "a picture of {} x {} pixels: expected 1 .. {} each way on this driver", width,
                 height, info.max_texture_size);
@@ -93,7 +93,7 @@ Result<HazeBlur> HazeBlur::create(const GlInfo& info, int width, int height, con
   return made;
 }
 
-Result<> HazeBlur::set_scene(const HazeScene& scene) {
+Result<> HazeBlur::set_scene(const BlurInput& scene) {
   Problems problems;
   const auto fits = [&](const auto& image, const char* what) {
     if (image.width() != width_ || image.height() != height_)

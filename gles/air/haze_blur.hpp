@@ -26,7 +26,7 @@
 namespace kasumi {
 
 // A picture and its surfaces' ranges. All images have the same size.
-struct HazeScene {
+struct BlurInput {
   Image<glm::vec3> light;                           // linear, >= 0
   Image<float> range;                               // relative to the farthest, > 0
   Image<float> steps_along_row, steps_down_column;  // sums of the range's steps, in turns of 0..1
@@ -51,18 +51,18 @@ struct HazeLook {
   double same_surface = 0.0, other_surface = 0.0;
 };
 
-struct HazeBlurOptions {
+struct BlurStorage {
   bool force_bytes = false;  // even if the driver renders to half floats
 };
 
 class HazeBlur {
  public:
   // Errors: bad_input (size), unsupported (the driver computes in medium precision only), device.
-  static Result<HazeBlur> create(const GlInfo& info, int width, int height, const HazeBlurOptions& options = {});
+  static Result<HazeBlur> create(const GlInfo& info, int width, int height, const BlurStorage& options = {});
   bool in_bytes() const { return in_bytes_; }
 
   // Errors: bad_input (sizes), device.
-  Result<> set_scene(const HazeScene& scene);
+  Result<> set_scene(const BlurInput& scene);
   // Fades and blurs the scene. Errors: bad_input (a step larger than the picture, no scene), device.
   Result<> run(const HazeLook& look);
   // Draws the last result with its airlight added, encoded as sRGB. Errors: bad_input (target), device.

@@ -35,7 +35,7 @@ class PlaneBuffer {
 };
 
 // The camera's buffer on one of the display's planes, a part of another buffer on the one above.
-struct PlanePicture {
+struct PlaneStack {
   ExternalPicture camera;                         // of the screen's size
   std::shared_ptr<const PlaneBuffer> building{};  // null: only the camera's picture
   int left = 0, top = 0, right = 0, bottom = 0;   // the part of the screen
@@ -59,7 +59,7 @@ class Display {
   // The same, on planes of the display's own instead of what was drawn since begin(), which stays to be drawn over. The
   // camera's buffer must keep its picture as `until_replaced` is kept. Errors: unsupported (the display refuses it, with
   // its reason; what it shows stays), timeout (the mode is to be set first, by an ordinary picture), and as show().
-  virtual Result<std::uint64_t> show_planes(const PlanePicture&, std::shared_ptr<const void> = nullptr) {
+  virtual Result<std::uint64_t> show_planes(const PlaneStack&, std::shared_ptr<const void> = nullptr) {
     return fail(FaultKind::unsupported, "{} has no planes of its own", description());
   }
   // A buffer for show_planes(), to be gone before the display is. Errors: unsupported, device.

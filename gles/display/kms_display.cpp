@@ -80,7 +80,7 @@ class KmsDisplay final : public Display {
     return number;
   }
 
-  Result<std::uint64_t> show_planes(const PlanePicture& picture, std::shared_ptr<const void> until_replaced) override {
+  Result<std::uint64_t> show_planes(const PlaneStack& picture, std::shared_ptr<const void> until_replaced) override {
     if (!flips_.is_settled()) return fail(FaultKind::timeout, "the picture before is still on its way to the display");
     const ExternalPicture& camera = picture.camera;
     if (camera.width != pipe_.mode.width || camera.height != pipe_.mode.height)
@@ -135,7 +135,7 @@ class KmsDisplay final : public Display {
   static std::optional<YuvEncoding> encoding_of(const ExternalPicture& camera) {
     return is_yuv(camera.layout) ? std::optional(camera.encoding) : std::nullopt;
   }
-  static std::vector<KmsPlaneState> states(const KmsPlanePair& pair, const PlanePicture& picture,
+  static std::vector<KmsPlaneState> states(const KmsPlanePair& pair, const PlaneStack& picture,
                                            const KmsFramebuffer& camera) {
     KmsPlaneState below{pair.camera, camera.id(), {0, 0, picture.camera.width, picture.camera.height}};
     below.zpos = pair.camera_zpos;
@@ -153,7 +153,7 @@ class KmsDisplay final : public Display {
     return {below, above};
   }
   // The first pair of planes that the driver takes.
-  Result<KmsPlanePair> choose_pair(const PlanePicture& picture, const KmsFramebuffer& camera) {
+  Result<KmsPlanePair> choose_pair(const PlaneStack& picture, const KmsFramebuffer& camera) {
     const auto planes = device_->planes(pipe_);
     if (!planes) return fail(FaultKind::unsupported, "{}", planes.error().what);
     const auto pairs =

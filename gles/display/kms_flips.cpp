@@ -38,7 +38,7 @@ Result<> KmsFlips::settle(Instant deadline) {
   }
 }
 
-Result<> KmsFlips::submit(KmsPicture picture) {
+Result<> KmsFlips::submit(QueuedFlip picture) {
   pending_ = std::move(picture);
   given_at_ = sent_at_ = clock_.now();
   return commit();
@@ -58,7 +58,7 @@ Result<> KmsFlips::ask_for_planes(const std::vector<KmsPlaneState>& planes) {
   return {};
 }
 
-Result<> KmsFlips::submit_planes(KmsPicture picture) {
+Result<> KmsFlips::submit_planes(QueuedFlip picture) {
   if (auto ready = ready_for_planes(); !ready) return ready;
   pending_ = std::move(picture);
   given_at_ = sent_at_ = clock_.now();
@@ -111,11 +111,11 @@ Result<> KmsFlips::take_events(Duration at_most) {
   return {};
 }
 
-void KmsFlips::complete(std::optional<KmsPicture>& picture, Instant at) {
+void KmsFlips::complete(std::optional<QueuedFlip>& picture, Instant at) {
   const Instant now = clock_.now();
   const bool believed = at >= sent_at_ - kTimestampTolerance && at <= now + kTimestampTolerance;
   record_.add(picture->number, believed ? at : now);
-  std::optional<KmsPicture> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
+  std::optional<QueuedFlip> replaced = std::exchange(active_, std::exchange(picture, std::nullopt));
   overdue_.reset();
   recovering_ = false;
 }

@@ -17,7 +17,7 @@
 
 namespace kasumi {
 
-struct KmsPicture {
+struct QueuedFlip {
   std::uint64_t number = 0;
   std::unique_ptr<ScanoutPicture> scanout;  // null: it is on planes
   std::vector<KmsPlaneState> planes{};
@@ -33,13 +33,13 @@ class KmsFlips {
   // BLOCKS until no picture is pending or queued, or the deadline passes. Errors: timeout, disconnected, device.
   Result<> settle(Instant deadline);
   // Sends a picture to the display. Requires that settle() succeeded. Errors: disconnected, device.
-  Result<> submit(KmsPicture picture);
+  Result<> submit(QueuedFlip picture);
   // Whether the driver would show it so. Errors: timeout (the mode is to be set first, by an ordinary picture),
   // unsupported (with the driver's reason).
   Result<> ask_for_planes(const std::vector<KmsPlaneState>& planes);
   // submit() for a picture on planes; planes that the one before used otherwise show nothing. Errors: also those of
   // ask_for_planes(); then the picture before stays.
-  Result<> submit_planes(KmsPicture picture);
+  Result<> submit_planes(QueuedFlip picture);
   // Processes events and timeouts. Does not block. Errors: as submit().
   Result<> advance();
   // BLOCKS until the display sleeps; the next picture wakes it. Requires that no picture is pending or queued. Errors:
@@ -63,7 +63,7 @@ class KmsFlips {
   KmsResult<> hand_over(const KmsFrame& frame);
   Result<> refused(const KmsError& error);
   Result<> recover_overdue_flip();
-  void complete(std::optional<KmsPicture>& picture, Instant at);
+  void complete(std::optional<QueuedFlip>& picture, Instant at);
 
   KmsDevice& device_;
   KmsPipe pipe_;
@@ -71,10 +71,10 @@ class KmsFlips {
   Duration flip_deadline_;
   Clock& clock_;
 
-  std::optional<KmsPicture> pending_;
-  std::optional<KmsPicture> queued_;
-  std::optional<KmsPicture> active_;
-  std::optional<KmsPicture> overdue_;  // on planes: the display may still read it
+  std::optional<QueuedFlip> pending_;
+  std::optional<QueuedFlip> queued_;
+  std::optional<QueuedFlip> active_;
+  std::optional<QueuedFlip> overdue_;  // on planes: the display may still read it
   std::vector<KmsPlaneState> planes_;  // as committed last; empty: by an ordinary picture
   Instant given_at_{};       // when submitted, given to the driver, or recovery began; the flip deadline counts from it
   Instant sent_at_{};        // when submitted

@@ -75,13 +75,13 @@ EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bit
   return found == configs.end() ? nullptr : *found;
 }
 
-class GbmPicture final : public ScanoutPicture {
+class GbmFrame final : public ScanoutPicture {
  public:
-  GbmPicture(gbm_surface* surface, gbm_bo* buffer, std::uint32_t framebuffer)
+  GbmFrame(gbm_surface* surface, gbm_bo* buffer, std::uint32_t framebuffer)
       : surface_(surface), buffer_(buffer), framebuffer_(framebuffer) {}
-  GbmPicture(const GbmPicture&) = delete;
-  GbmPicture& operator=(const GbmPicture&) = delete;
-  ~GbmPicture() override { gbm_surface_release_buffer(surface_, buffer_); }
+  GbmFrame(const GbmFrame&) = delete;
+  GbmFrame& operator=(const GbmFrame&) = delete;
+  ~GbmFrame() override { gbm_surface_release_buffer(surface_, buffer_); }
   std::uint32_t framebuffer() const override { return framebuffer_; }
 
  private:
@@ -193,7 +193,7 @@ class GbmScanout final : public Scanout {
         const std::unique_ptr<KmsFramebuffer> deleted(static_cast<KmsFramebuffer*>(gone));
       });
     }
-    return std::make_unique<GbmPicture>(surface_.get(), buffer, framebuffer->id());
+    return std::make_unique<GbmFrame>(surface_.get(), buffer, framebuffer->id());
   }
 
   Result<std::shared_ptr<PlaneBuffer>> make_plane_buffer(int width, int height) override {

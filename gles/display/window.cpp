@@ -116,7 +116,7 @@ class SdlWindow final : public Window {
 
 }  // namespace
 
-Result<std::unique_ptr<Window>> open_window(const WindowOptions& options) {
+Result<std::unique_ptr<Window>> open_window(const WindowSpec& options) {
   SDL_SetMainReady();
   auto video = SdlVideo::start();
   if (!video) return fail(video.error());

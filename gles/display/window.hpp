@@ -10,7 +10,7 @@
 
 namespace kasumi {
 
-struct WindowOptions {
+struct WindowSpec {
   std::string title = "Kasumi";
   int width = 1280;
   int height = 720;
@@ -36,6 +36,6 @@ class Window : public GlContext {
 };
 
 // Errors: unsupported when there is no display or it gives no GLES 2 context.
-Result<std::unique_ptr<Window>> open_window(const WindowOptions& options);
+Result<std::unique_ptr<Window>> open_window(const WindowSpec& options);
 
 }  // namespace kasumi

@@ -6,17 +6,17 @@
 namespace kasumi {
 namespace {
 
-struct Picture {
+struct MapBinding {
   const char* define;
   const char* sampler;
-  ModelMap map;
+  MaterialMap map;
   int unit;
 };
 
 // The material's pictures that have a unit.
-std::vector<Picture> pictures_of(const ModelMaterial& m, const SurfaceUnits& units) {
-  std::vector<Picture> pictures;
-  const auto add = [&](const Picture& picture) {
+std::vector<MapBinding> pictures_of(const ModelMaterial& m, const SurfaceUnits& units) {
+  std::vector<MapBinding> pictures;
+  const auto add = [&](const MapBinding& picture) {
     if (picture.map.used() && picture.unit >= 0) pictures.push_back(picture);
   };
   add({"BASE_MAP", "base_map", {m.texture, false}, units.base});
@@ -56,7 +56,7 @@ bool holds(const SurfaceUnits& units, const ModelMaterial& material) {
 
 Defines defines_of(const ModelMaterial& material, std::span<const SurfaceTexture> textures, const SurfaceUnits& units) {
   Defines defines;
-  for (const Picture& picture : pictures_of(material, units)) {
+  for (const MapBinding& picture : pictures_of(material, units)) {
     // The define's value is the varying with the texture coordinates.
     defines.insert(fmt::format("{} {}", picture.define, picture.map.second ? "v_texture_2" : "v_texture"));
     if (picture.map.second) defines.insert("SECOND_PLACE");
@@ -81,7 +81,7 @@ void bind_material(const Program& program, const ModelMaterial& material, std::s
   program.set("normal_scale", static_cast<double>(material.normal_scale));
   program.set("occlusion_strength", static_cast<double>(material.occlusion_strength));
   program.set("emission", glm::dvec3(material.emission));
-  for (const Picture& picture : pictures_of(material, units)) {
+  for (const MapBinding& picture : pictures_of(material, units)) {
     glActiveTexture(GL_TEXTURE0 + static_cast<unsigned>(picture.unit));
     glBindTexture(GL_TEXTURE_2D, textures[static_cast<std::size_t>(picture.map.texture)].texture.name());
     program.set(picture.sampler, picture.unit);

@@ -17,7 +17,7 @@ struct SurfaceUnits {
   int roughness = -1;
   int occlusion = -1;
   int emission = -1;
-  int sky = -1;  // of SkyAtlas
+  int sky = -1;  // of RadianceAtlas
 };
 
 // For drawing the layer, when the camera's picture is not bound.

@@ -44,13 +44,13 @@ Result<GpuModel> GpuModel::upload(const Model& model, const GlInfo& info, bool f
   }
 }
 
-Result<ModelUpload> ModelUpload::begin(const Model& model, std::shared_ptr<const ModelChunks> chunks,
+Result<ModelUpload> ModelUpload::begin(const Model& model, std::shared_ptr<const TriangleChunks> chunks,
                                        const GlInfo& info, bool force_encoded_textures,
                                        std::vector<std::string>& notes) {
   if (auto sound = check(model); !sound) return fail(sound.error());
   ModelUpload upload(model, info, notes);
   upload.force_encoded_textures_ = force_encoded_textures;
-  upload.chunks_ = chunks ? std::move(chunks) : std::make_shared<const ModelChunks>(cut_model(model));
+  upload.chunks_ = chunks ? std::move(chunks) : std::make_shared<const TriangleChunks>(cut_model(model));
   upload.made_.materials_ = model.materials;
   upload.made_.bounds_ = model.bounds();
   upload.made_.bounds_with_ground_ = model.bounds_with_ground();
@@ -76,7 +76,8 @@ Result<bool> ModelUpload::step() {
     if (const auto whole = texture_step(); !whole) return whole;
     return false;
   }
-  const auto upload = [this](const std::vector<ModelChunk>& from, std::size_t& next, std::vector<GpuModel::Chunk>& to) {
+  const auto upload = [this](const std::vector<TriangleChunk>& from, std::size_t& next,
+                             std::vector<GpuModel::Chunk>& to) {
     for (std::size_t vertices = 0; next < from.size() && vertices < kSliceVertices; ++next) {
       vertices += from[next].vertices.size();
       made_.add(from[next], to);
@@ -90,7 +91,7 @@ Result<bool> ModelUpload::step() {
   return true;
 }
 
-void GpuModel::add(const ModelChunk& chunk, std::vector<Chunk>& chunks) {
+void GpuModel::add(const TriangleChunk& chunk, std::vector<Chunk>& chunks) {
   bytes_ += chunk.vertices.size() * sizeof(GpuVertex) + chunk.indices.size() * sizeof(std::uint16_t);
   chunks.push_back(make_chunk(chunk.material, chunk.vertices, chunk.indices));
 }

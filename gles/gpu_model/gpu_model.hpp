@@ -14,9 +14,9 @@
 #include "gles/gl/objects.hpp"
 #include "gles/gl/surface_texture.hpp"
 #include "gles/gpu_model/gpu_material.hpp"
-#include "gles/gpu_model/model_chunks.hpp"
 #include "gles/gpu_model/programs.hpp"
 #include "gles/gpu_model/projection.hpp"
+#include "gles/gpu_model/triangle_chunks.hpp"
 #include "gles/model/model.hpp"
 
 namespace kasumi {
@@ -73,7 +73,7 @@ class GpuModel {
   };
   friend class ModelUpload;
 
-  void add(const ModelChunk& chunk, std::vector<Chunk>& chunks);
+  void add(const TriangleChunk& chunk, std::vector<Chunk>& chunks);
   void add_see_through(const Model& model);
   void sort_see_through(const Projection& projection);
   static Chunk make_chunk(int material, std::span<const GpuVertex> vertices, std::vector<std::uint16_t> index_list);
@@ -97,7 +97,7 @@ class GpuModel {
 class ModelUpload {
  public:
   // `model` and `notes` must outlive it; `chunks`: the model's; null: it is cut here. Errors: bad_input.
-  static Result<ModelUpload> begin(const Model& model, std::shared_ptr<const ModelChunks> chunks, const GlInfo& info,
+  static Result<ModelUpload> begin(const Model& model, std::shared_ptr<const TriangleChunks> chunks, const GlInfo& info,
                                    bool force_encoded_textures, std::vector<std::string>& notes);
   // true: it is whole. Errors: device.
   Result<bool> step();
@@ -112,7 +112,7 @@ class ModelUpload {
   const GlInfo* info_;
   std::vector<std::string>* notes_;
   bool force_encoded_textures_ = false;
-  std::shared_ptr<const ModelChunks> chunks_;
+  std::shared_ptr<const TriangleChunks> chunks_;
   std::unique_ptr<SurfaceTextureUpload> texture_;  // the one under way
   std::size_t solid_ = 0, ground_ = 0;             // chunks that are there
   GpuModel made_;

@@ -60,7 +60,8 @@ void check(const SensorNoise& noise, Problems& problems) {
   if (!not_negative(noise.shot) || !not_negative(noise.read)) problems.add("noise: expected finite numbers >= 0");
 }
 
-double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials) {
+double largest_n(const ObjectAppearance& appearance, const RadianceAtlas& sky,
+                 std::span<const ModelMaterial> materials) {
   const ObjectLight& light = appearance.light;
   const bool mirrors = std::ranges::any_of(materials, &ModelMaterial::reflects);
   glm::dvec3 radiance = (light.sun_irradiance + sky.brightest_irradiance()) / kPi;

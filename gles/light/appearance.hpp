@@ -5,7 +5,7 @@
 
 #include "base/result.hpp"
 #include "gles/gl/program.hpp"
-#include "gles/light/sky_atlas.hpp"
+#include "gles/light/radiance_atlas.hpp"
 #include "gles/model/model.hpp"
 #include "gles/scene.hpp"
 
@@ -17,7 +17,8 @@ void check(const SensorNoise& noise, Problems& problems);
 
 // An upper bound of N = rho Gamma + 1 - Gamma for surfaces of albedo <= 1 and these materials, without the sun's glint
 // on smooth ones, which is white even when clipped. `sky` holds the light's surroundings.
-double largest_n(const ObjectAppearance& appearance, const SkyAtlas& sky, std::span<const ModelMaterial> materials);
+double largest_n(const ObjectAppearance& appearance, const RadianceAtlas& sky,
+                 std::span<const ModelMaterial> materials);
 
 // Uniforms of haze.glsl, path.glsl, sun.glsl, light.glsl; the horizon's light as horizon_light, horizon_place.
 void set_appearance(const Program& program, const ObjectAppearance& appearance);

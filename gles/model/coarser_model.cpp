@@ -183,8 +183,8 @@ void shrink_textures(std::vector<Model>& scenes, double texel) {
   for (const Model& scene : scenes)
     for (const ModelPart& part : scene.parts) {
       const ModelMaterial& material = scene.materials[static_cast<std::size_t>(part.material)];
-      for (const ModelMap& map : {ModelMap{material.texture, false}, material.roughness_map, material.normal_map,
-                                  material.occlusion_map, material.emission_map})
+      for (const MaterialMap& map : {MaterialMap{material.texture, false}, material.roughness_map, material.normal_map,
+                                     material.occlusion_map, material.emission_map})
         if (map.used()) {
           const auto at = static_cast<std::size_t>(map.texture);
           drawn[at].add(part, scene.textures[at].pixels, map.second);

@@ -49,9 +49,9 @@ std::optional<ModelBounds> written_box(const tinygltf::Node& node) {
   return finite(box.lowest) && finite(box.highest) ? std::optional(box) : std::nullopt;
 }
 
-class SceneReader {
+class GltfReader {
  public:
-  SceneReader(tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene, Model& model)
+  GltfReader(tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene, Model& model)
       : gltf_(gltf),
         name_(std::move(name)),
         limits_(limits),
@@ -260,7 +260,7 @@ class SceneReader {
         skinned ? pose(gltf_, primitive, *stand.joints, part, limits_, what) : place(part, stand.transform, what);
     if (!placed) return placed;
     if (!with_normals) give_flat_normals(part);
-    if (const ModelMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
+    if (const MaterialMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
         normals.used()) {
       if (with_normals && primitive.attributes.contains("TANGENT"))
         mend_tangents(part);
@@ -390,7 +390,7 @@ Result<Model> read_gltf(const std::filesystem::path& path, const ModelLimits& li
   auto gltf = parse_gltf(path, limits, model.notes, model.files, model.extensions);
   if (!gltf) return fail(gltf.error());
   if (auto unpacked = unpack_views(*gltf, path.string(), limits); !unpacked) return fail(unpacked.error());
-  if (auto read = SceneReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
+  if (auto read = GltfReader(*gltf, path.string(), limits, scene, model).read(); !read) return fail(read.error());
   if (auto sound = check(model); !sound) return fail(sound.error());
   return model;
 }

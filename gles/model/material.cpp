@@ -236,7 +236,7 @@ class MaterialReader {
     material.occlusion_strength = fraction(from.occlusionTexture.strength, 1.0f);
     read_emission(from, material);
 
-    ModelMap base_map;
+    MaterialMap base_map;
     const bool lit = !material.unlit;
     Result<> read = add(base, false, "base colour", base_map);
     if (lit) read = read.and_then([&] { return add(laid(from.normalTexture), true, "normal", material.normal_map); });
@@ -330,7 +330,7 @@ class MaterialReader {
           static_cast<float>(strength * double(fraction(from.emissiveFactor[i], 0.0f)));
   }
 
-  Result<> add(const TextureReference& picture, bool data, const char* what, ModelMap& map) {
+  Result<> add(const TextureReference& picture, bool data, const char* what, MaterialMap& map) {
     const auto texture = picture.made >= 0 ? Result<int>(picture.made) : textures_.read(picture.texture, data);
     if (!texture) return fail(texture.error());
     if (*texture < 0) return {};

@@ -30,7 +30,7 @@ struct ModelVertex {
 };
 
 // A texture reference of a material.
-struct ModelMap {
+struct MaterialMap {
   int texture = -1;     // index into Model::textures; -1: none
   bool second = false;  // uses ModelVertex::texture_2
   bool used() const { return texture >= 0; }
@@ -49,15 +49,15 @@ struct ModelMaterial {
 
   float metallic = 0.0f;
   float roughness = 1.0f;
-  ModelMap roughness_map{};       // green: roughness, blue: metallic
+  MaterialMap roughness_map{};    // green: roughness, blue: metallic
   glm::vec3 reflectance{0.0f};    // of dielectrics at normal incidence; glTF's default is 0.04
   float edge_reflectance = 0.0f;  // the same at grazing incidence; glTF's default is 1
-  ModelMap normal_map{};
+  MaterialMap normal_map{};
   float normal_scale = 1.0f;
-  ModelMap occlusion_map{};  // red: visible share of the sky
+  MaterialMap occlusion_map{};  // red: visible share of the sky
   float occlusion_strength = 1.0f;
   glm::vec3 emission{0.0f};  // 1: as bright as a white card lying in sun and sky, as for unlit materials
-  ModelMap emission_map{};
+  MaterialMap emission_map{};
   bool unlit = false;  // base colour is used as emission
 
   bool reflects() const {

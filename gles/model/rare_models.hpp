@@ -33,7 +33,7 @@ struct DracoLimits {
 };
 
 // One compressed buffer view (EXT_meshopt_compression): count elements of `stride` bytes each.
-struct MeshoptView {
+struct MeshoptBuffer {
   std::string mode;    // ATTRIBUTES, TRIANGLES, INDICES
   std::string filter;  // "", NONE, OCTAHEDRAL, QUATERNION, EXPONENTIAL, COLOR
   std::size_t count = 0, stride = 0;
@@ -48,8 +48,8 @@ class RareModels {
                                        const DracoLimits& limits) const = 0;
   // count * stride bytes. Errors (bad_input): damaged, strides that its mode does not have, far more than so few bytes
   // can hold, more than `most` bytes.
-  virtual Result<std::vector<std::uint8_t>> meshopt_view(std::span<const std::uint8_t> stream, const MeshoptView& view,
-                                                         std::size_t most) const = 0;
+  virtual Result<std::vector<std::uint8_t>> meshopt_view(std::span<const std::uint8_t> stream,
+                                                         const MeshoptBuffer& view, std::size_t most) const = 0;
   // The caller has checked its size (base/picture_header.hpp): width x height is expected. Errors (bad_input): damaged,
   // a film, of another size.
   virtual Result<Image<glm::u8vec4>> webp_picture(std::span<const std::uint8_t> file, int width, int height) const = 0;

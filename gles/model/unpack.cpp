@@ -35,7 +35,7 @@ Result<std::vector<std::uint8_t>> unpacked(const tinygltf::Model& gltf, const ti
   const auto stream = bytes_of(gltf, whole_number(packed, "buffer", -1), size_in(packed, "byteOffset", SIZE_MAX / 4),
                                size_in(packed, "byteLength", SIZE_MAX / 4));
   if (!stream) return fail(stream.error());
-  MeshoptView view;
+  MeshoptBuffer view;
   view.mode = text(packed, "mode");
   view.filter = text(packed, "filter");
   view.count = size_in(packed, "count", SIZE_MAX / 4);

@@ -145,7 +145,7 @@ class GltfWriter {
     json attributes = {{"POSITION", positions(part)},
                        {"NORMAL", floats(part, "VEC3", [](const ModelVertex& v) { return v.normal; })}};
     bool first = of.texture >= 0, second = false;
-    for (const ModelMap& map : {of.roughness_map, of.normal_map, of.occlusion_map, of.emission_map})
+    for (const MaterialMap& map : {of.roughness_map, of.normal_map, of.occlusion_map, of.emission_map})
       if (map.used()) (map.second ? second : first) = true;
     if (first || second)
       attributes["TEXCOORD_0"] = floats(part, "VEC2", [](const ModelVertex& v) { return v.texture; });
@@ -178,7 +178,7 @@ class GltfWriter {
     return known->second;
   }
 
-  json map(const ModelMap& map, const Model& model) {
+  json map(const MaterialMap& map, const Model& model) {
     json made = {{"index", texture(map.texture, model)}};
     if (map.second) made["texCoord"] = 1;
     return made;

@@ -41,7 +41,7 @@ void bind_to(int unit, const GlTexture& texture, TextureFilter filter) {
 
 }  // namespace
 
-Result<CameraProcessing> CameraProcessing::create(const ObjectInPicture& object, ProcessingOptions options,
+Result<CameraProcessing> CameraProcessing::create(const ObjectFootprint& object, ProcessingSteps options,
                                                   const GlInfo& info) {
   CameraProcessing made;
   made.info_ = &info;
@@ -74,7 +74,7 @@ Result<CameraProcessing> CameraProcessing::create(const ObjectInPicture& object,
   return made;
 }
 
-bool CameraProcessing::is_for(const ObjectInPicture& object, const ProcessingOptions& options) const {
+bool CameraProcessing::is_for(const ObjectFootprint& object, const ProcessingSteps& options) const {
   const auto same_steps = [&] {
     return options.jpeg && options_.jpeg ? *options.jpeg == *options_.jpeg : options.jpeg == options_.jpeg;
   };
@@ -117,7 +117,7 @@ void CameraProcessing::draw_into(const LayerBuffer& buffer, glm::ivec2 buffer_si
   program.set("part", glm::dvec2(size()));
   glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());
   glViewport(0, 0, buffer_size.x, buffer_size.y);
-  (only_live_ ? live_blocks_ : blocks_)->draw(PictureArea::plain);
+  (only_live_ ? live_blocks_ : blocks_)->draw(CutArea::plain);
 }
 
 // Of the picture's last pixel in the part, as a texture's coordinates.

@@ -22,7 +22,7 @@
 
 namespace kasumi {
 
-struct ProcessingOptions {
+struct ProcessingSteps {
   double sharpening = 0.0;                // amount a: encoded Y + a (Y - its binomial mean over 3 x 3 pixels); 0: none
   std::shared_ptr<const JpegSteps> jpeg;  // null: none
   glm::ivec2 shared_pixels{1, 1};         // for a colour difference of the JPEG
@@ -30,18 +30,18 @@ struct ProcessingOptions {
 };
 
 // Rectangles of a picture.
-struct ObjectInPicture {
+struct ObjectFootprint {
   std::vector<PixelBox> changed;  // hold the pixels that the object changes
   std::vector<PixelBox> covered;  // of those, the pixels in which nothing else is to be seen
   glm::ivec2 picture{};           // its size
-  friend bool operator==(const ObjectInPicture&, const ObjectInPicture&) = default;
+  friend bool operator==(const ObjectFootprint&, const ObjectFootprint&) = default;
 };
 
 class CameraProcessing {
  public:
   // Something is changed. Errors: device.
-  static Result<CameraProcessing> create(const ObjectInPicture& object, ProcessingOptions options, const GlInfo& info);
-  bool is_for(const ObjectInPicture& object, const ProcessingOptions& options) const;
+  static Result<CameraProcessing> create(const ObjectFootprint& object, ProcessingSteps options, const GlInfo& info);
+  bool is_for(const ObjectFootprint& object, const ProcessingSteps& options) const;
   // The object has changed in more than its look: its layer, the response.
   void forget();
 
@@ -75,8 +75,8 @@ class CameraProcessing {
                 bool chroma, const LayerBuffer& to) const;
 
   const GlInfo* info_ = nullptr;
-  ProcessingOptions options_;
-  ObjectInPicture object_;
+  ProcessingSteps options_;
+  ObjectFootprint object_;
   PixelBox part_;
   std::optional<PictureMesh> blocks_, live_blocks_;  // from the part's corner: all, and those that are not kept
   std::vector<PixelBox> live_pixels_;                // that they are made from, in the picture

@@ -41,7 +41,7 @@ std::vector<PixelBox> full_runs(const Image<float>& coverage, const PixelBox& al
 }
 
 // A texture unit that this picture leaves free; < 0: none.
-int unit_for_nodes(const CameraFrame& frame, bool noise_unit_is_free) {
+int unit_for_nodes(const FrameInputs& frame, bool noise_unit_is_free) {
   if (frame.spare_unit >= 0) return frame.spare_unit;
   if (noise_unit_is_free) return kNoiseUnit;
   if (frame.response.define() != "RESPONSE_TABLE") return kResponseUnit;
@@ -50,7 +50,7 @@ int unit_for_nodes(const CameraFrame& frame, bool noise_unit_is_free) {
 
 }  // namespace
 
-void CameraFrame::bind(const Program& program, const PictureOnTarget& shown) const {
+void FrameInputs::bind(const Program& program, const TargetPlacement& shown) const {
   camera.bind(program, !shown.same_size);
   response.bind(program, kResponseUnit);
   glActiveTexture(GL_TEXTURE0 + kDitherUnit);
@@ -82,14 +82,14 @@ void Composite::take(const ObjectLayer& layer, const SceneView& view, const Imag
 }
 
 std::vector<PixelBox> Composite::changed() const {
-  std::vector<PixelBox> all = rectangles_[static_cast<std::size_t>(PictureArea::covered)];
-  const auto& edges = rectangles_[static_cast<std::size_t>(PictureArea::edge)];
+  std::vector<PixelBox> all = rectangles_[static_cast<std::size_t>(CutArea::covered)];
+  const auto& edges = rectangles_[static_cast<std::size_t>(CutArea::edge)];
   all.insert(all.end(), edges.begin(), edges.end());
   return all;
 }
 
 // Grids rarely move between frames, so a mesh is seldom rebuilt.
-const PictureMesh& Composite::CutMesh::at(const AirlightGrid& wanted, const PictureRectangles& rectangles) {
+const PictureMesh& Composite::CutMesh::at(const AirlightGrid& wanted, const CutRectangles& rectangles) {
   if (!mesh || wanted.first_px != grid.first_px || wanted.last_px != grid.last_px)
     mesh = PictureMesh::upload(cut_at_lines(rectangles, wanted));
   grid = wanted;
@@ -99,7 +99,7 @@ const PictureMesh& Composite::CutMesh::at(const AirlightGrid& wanted, const Pict
 Composite::Part& Composite::part_in(const std::vector<PixelBox>& boxes) {
   if (part_.camera && part_.boxes == boxes) return part_;
   part_ = {boxes, PictureMesh::upload({boxes}), {}, {}};
-  for (std::size_t area = 0; area < kPictureAreas; ++area)
+  for (std::size_t area = 0; area < kCutAreas; ++area)
     for (const PixelBox& rectangle : rectangles_[area])
       for (const PixelBox& box : boxes)
         if (overlap(rectangle, box)) part_.rectangles[area].push_back(common(rectangle, box));
@@ -121,51 +121,50 @@ void Composite::bind_noise(const Program& program, const SensorNoise& noise, boo
   program.set("noise_place", glm::dvec3(noise_start(noise.pattern % kNoisePatterns), 1.0 / kNoiseSize));
 }
 
-Result<> Composite::draw_camera_on(const PictureMesh& mesh, Programs& programs, const CameraFrame& frame,
-                                   const PictureOnTarget& shown) {
+Result<> Composite::draw_camera_on(const PictureMesh& mesh, Programs& programs, const FrameInputs& frame,
+                                   const TargetPlacement& shown) {
   const auto program = programs.find(ProgramKind::picture, frame.camera.defines());
   if (!program) return fail(program.error());
   (*program)->use();
   frame.bind(**program, shown);
-  mesh.draw(PictureArea::plain);
+  mesh.draw(CutArea::plain);
   return check_gl("drawing the camera's picture");
 }
 
-Result<> Composite::draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
+Result<> Composite::draw_camera_alone(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown) {
   const glm::ivec2 size{frame.camera.width, frame.camera.height};
   if (!whole_ || whole_size_ != size) whole_ = PictureMesh::upload(cut_picture(size.x, size.y, {}, {}));
   whole_size_ = size;
   return draw_camera_on(*whole_, programs, frame, shown);
 }
 
-Result<> Composite::draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const CameraFrame& frame,
-                                   const PictureOnTarget& shown) {
+Result<> Composite::draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const FrameInputs& frame,
+                                   const TargetPlacement& shown) {
   return draw_camera_on(*part_in(parts).camera, programs, frame, shown);
 }
 
 // Areas that do not need the camera or its response share one variant.
-Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Programs& programs,
-                              const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
-                              const AirlightGrid& measured, const SensorNoise& noise,
-                              const CameraProcessing* processing) {
+Result<> Composite::draw_area(CutArea area, Part* part, Defines defines, Programs& programs, const FrameInputs& frame,
+                              const TargetPlacement& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+                              const SensorNoise& noise, const CameraProcessing* processing) {
   const PictureMesh& mesh = mesh_for(measured, part);
   if (mesh.empty(area)) return {};
   // With passers before it, all of the object is drawn as an edge.
-  const bool somebody = area != PictureArea::plain && frame.passers;
-  const bool covered = area == PictureArea::covered && !somebody;
+  const bool somebody = area != CutArea::plain && frame.passers;
+  const bool covered = area == CutArea::covered && !somebody;
   if (!covered) defines.merge(frame.camera.defines());
   if (covered) defines = {"COVERED", "LAYOUT_RGB"};
-  if (area != PictureArea::plain && !covered) defines.insert("EDGE");
+  if (area != CutArea::plain && !covered) defines.insert("EDGE");
   // Then the result of the processing is all that is needed.
   const bool looked_up = processing && !defines.contains("PLANE");
-  if (area != PictureArea::plain && !looked_up) {
+  if (area != CutArea::plain && !looked_up) {
     defines.insert(frame.response.define());
     if (measured.saturates()) defines.insert("SATURATED");
   }
   const bool noisy = !noise.none() && !processing;
-  if (area != PictureArea::plain && noisy) defines.insert("NOISE");
-  if (area != PictureArea::plain && processing) defines.insert("PROCESSED");
-  const bool matte = area == PictureArea::edge && frame.foreground && !looked_up;
+  if (area != CutArea::plain && noisy) defines.insert("NOISE");
+  if (area != CutArea::plain && processing) defines.insert("PROCESSED");
+  const bool matte = area == CutArea::edge && frame.foreground && !looked_up;
   const bool passers = somebody && !looked_up;
   // Before the processing as after it, or the two would not agree on what the leaves cover.
   const bool noise_unit_is_free = noise.none() && !processing && !defines.contains("COVERAGE");
@@ -179,7 +178,7 @@ Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Pro
   if (!program) return fail(program.error());
   (*program)->use();
   frame.bind(**program, shown);
-  if (area != PictureArea::plain) {
+  if (area != CutArea::plain) {
     layer.bind(**program, !shown.same_size);
     set_airlight(**program, "measured", measured);
     if (noisy) bind_noise(**program, noise, !shown.same_size);
@@ -196,20 +195,20 @@ Result<> Composite::draw_area(PictureArea area, Part* part, Defines defines, Pro
   return {};
 }
 
-Result<> Composite::finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+Result<> Composite::finish(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown,
                            const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                            const GlInfo& info) {
   is_finished_ = false;
-  if (frame.passers || mesh_for(measured, nullptr).empty(PictureArea::covered)) return {};
+  if (frame.passers || mesh_for(measured, nullptr).empty(CutArea::covered)) return {};
   const auto found = finished_.find(shown, covered_, {measured, noise}, info, [&] {
-    return draw_area(PictureArea::covered, nullptr, {}, programs, frame, shown, layer, measured, noise, nullptr);
+    return draw_area(CutArea::covered, nullptr, {}, programs, frame, shown, layer, measured, noise, nullptr);
   });
   if (!found) return fail(found.error());
   is_finished_ = *found;
   return {};
 }
 
-Result<CoveredPixels> Composite::covered_pixels(Programs& programs, const CameraFrame& frame, const ObjectLayer& layer,
+Result<CoveredPixels> Composite::covered_pixels(Programs& programs, const FrameInputs& frame, const ObjectLayer& layer,
                                                 const AirlightGrid& measured, const SensorNoise& noise,
                                                 const GlInfo& info) {
   if (frame.passers || fully_covered_.empty()) return CoveredPixels{};
@@ -221,12 +220,12 @@ Result<CoveredPixels> Composite::covered_pixels(Programs& programs, const Camera
                             frame.camera.width,
                             frame.camera.height,
                             {}};
-  const CameraFrame alone{none, frame.response, frame.dither};
-  const PictureOnTarget shown(covered_, none.width, none.height);
+  const FrameInputs alone{none, frame.response, frame.dither};
+  const TargetPlacement shown(covered_, none.width, none.height);
   std::uint64_t& drawing = drawing_of_[noise.none() ? 0 : noise.pattern % kNoisePatterns];
   const auto draw_covered = [&]() -> Result<> {
     drawing = ++drawings_;
-    for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
+    for (const CutArea area : {CutArea::covered, CutArea::edge})
       if (auto drawn = draw_area(area, nullptr, {}, programs, alone, shown, layer, measured, noise, nullptr); !drawn)
         return drawn;
     return {};
@@ -249,22 +248,22 @@ Result<CoveredPixels> Composite::covered_pixels(Programs& programs, const Camera
   return CoveredPixels{&not_kept_, drawing};
 }
 
-Result<> Composite::draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown) {
+Result<> Composite::draw_finished(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown) {
   const auto program = programs.find(ProgramKind::picture, {"COVERED", "LAYOUT_RGB", "PROCESSED"});
   if (!program) return fail(program.error());
   (*program)->use();
   frame.bind(**program, shown);
   finished_.bind(**program);
-  mesh_.mesh->draw(PictureArea::covered);
+  mesh_.mesh->draw(CutArea::covered);
   return {};
 }
 
-Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+Result<> Composite::draw(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown,
                          const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                          const CameraProcessing* processing) {
   const bool finished = is_finished_ && !processing;
-  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge}) {
-    auto drawn = finished && area == PictureArea::covered
+  for (const CutArea area : {CutArea::plain, CutArea::covered, CutArea::edge}) {
+    auto drawn = finished && area == CutArea::covered
                      ? draw_finished(programs, frame, shown)
                      : draw_area(area, nullptr, {}, programs, frame, shown, layer, measured, noise, processing);
     if (!drawn) return drawn;
@@ -272,21 +271,21 @@ Result<> Composite::draw(Programs& programs, const CameraFrame& frame, const Pic
   return check_gl("drawing the picture");
 }
 
-Result<> Composite::draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const CameraFrame& frame,
-                                       const PictureOnTarget& shown, const ObjectLayer& layer,
+Result<> Composite::draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const FrameInputs& frame,
+                                       const TargetPlacement& shown, const ObjectLayer& layer,
                                        const AirlightGrid& measured, const SensorNoise& noise) {
   Part* part = only ? &part_in(*only) : nullptr;
-  for (const PictureArea area : {PictureArea::plain, PictureArea::covered, PictureArea::edge})
+  for (const CutArea area : {CutArea::plain, CutArea::covered, CutArea::edge})
     if (auto drawn = draw_area(area, part, {"COVERAGE"}, programs, frame, shown, layer, measured, noise, nullptr);
         !drawn)
       return drawn;
   return check_gl("drawing the picture for its processing");
 }
 
-Result<> Composite::draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+Result<> Composite::draw_for_plane(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown,
                                    const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                                    const CameraProcessing* processing) {
-  for (const PictureArea area : {PictureArea::covered, PictureArea::edge})
+  for (const CutArea area : {CutArea::covered, CutArea::edge})
     if (auto drawn = draw_area(area, nullptr, {"PLANE"}, programs, frame, shown, layer, measured, noise, processing);
         !drawn)
       return drawn;

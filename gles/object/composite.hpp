@@ -11,7 +11,7 @@
 #include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
-#include "gles/object/picture_on_target.hpp"
+#include "gles/object/target_placement.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"
 #include "gles/picture/response_table.hpp"
@@ -19,7 +19,7 @@
 namespace kasumi {
 
 // The inputs of every program that shows the camera's picture.
-struct CameraFrame {
+struct FrameInputs {
   const CameraTextures& camera;
   const ResponseOnGpu& response;
   const GlTexture& dither;
@@ -28,7 +28,7 @@ struct CameraFrame {
   const PassersOnGpu* passers = nullptr;   // null: no passers before the object
   int passers_unit = -1;                   // where the foreground leaves pixels open; < 0: the driver has none
   int spare_unit = -1;                     // beyond those that GLES 2 promises; < 0: the driver has none
-  void bind(const Program& program, const PictureOnTarget& shown) const;
+  void bind(const Program& program, const TargetPlacement& shown) const;
 };
 
 // The object's covered pixels in memory.
@@ -62,30 +62,28 @@ class Composite {
   const std::vector<PixelBox>& fully_covered() const { return fully_covered_; }
   bool is_left_open() const { return is_left_open_; }  // in some of them, by the foreground
 
-  Result<> draw_camera_alone(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
+  Result<> draw_camera_alone(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown);
   // Before draw() with the same values and without processing: what need not be drawn again with every picture. Binds
   // another framebuffer.
-  Result<> finish(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
+  Result<> finish(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown, const ObjectLayer& layer,
                   const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
   // What draw() shows in fully_covered(), for the processor to mix. It is drawn only when its look changes. Errors:
   // device.
-  Result<CoveredPixels> covered_pixels(Programs& programs, const CameraFrame& frame, const ObjectLayer& layer,
+  Result<CoveredPixels> covered_pixels(Programs& programs, const FrameInputs& frame, const ObjectLayer& layer,
                                        const AirlightGrid& measured, const SensorNoise& noise, const GlInfo& info);
-  const std::vector<PixelBox>& rectangles(PictureArea area) const {
-    return rectangles_[static_cast<std::size_t>(area)];
-  }
+  const std::vector<PixelBox>& rectangles(CutArea area) const { return rectangles_[static_cast<std::size_t>(area)]; }
   // `processing`, already applied, stands for layer, airlight and noise; null: none.
-  Result<> draw(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown, const ObjectLayer& layer,
+  Result<> draw(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown, const ObjectLayer& layer,
                 const AirlightGrid& measured, const SensorNoise& noise, const CameraProcessing* processing = nullptr);
   // In these rectangles alone.
-  Result<> draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const CameraFrame& frame,
-                          const PictureOnTarget& shown);
+  Result<> draw_camera_in(const std::vector<PixelBox>& parts, Programs& programs, const FrameInputs& frame,
+                          const TargetPlacement& shown);
   // draw() with the object's share of each pixel in alpha; `only` in these rectangles, or, null, everywhere.
-  Result<> draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const CameraFrame& frame,
-                              const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+  Result<> draw_with_coverage(const std::vector<PixelBox>* only, Programs& programs, const FrameInputs& frame,
+                              const TargetPlacement& shown, const ObjectLayer& layer, const AirlightGrid& measured,
                               const SensorNoise& noise);
   // Only the layer, as the display lays it over the camera's picture of `frame`.
-  Result<> draw_for_plane(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown,
+  Result<> draw_for_plane(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown,
                           const ObjectLayer& layer, const AirlightGrid& measured, const SensorNoise& noise,
                           const CameraProcessing* processing = nullptr);
 
@@ -94,30 +92,30 @@ class Composite {
   struct CutMesh {
     std::optional<PictureMesh> mesh;
     AirlightGrid grid;
-    const PictureMesh& at(const AirlightGrid& wanted, const PictureRectangles& rectangles);
+    const PictureMesh& at(const AirlightGrid& wanted, const CutRectangles& rectangles);
   };
   // A part of the rectangles.
   struct Part {
     std::vector<PixelBox> boxes;
     std::optional<PictureMesh> camera;  // of the boxes
-    PictureRectangles rectangles;       // what lies in them
+    CutRectangles rectangles;           // what lies in them
     CutMesh mesh;
   };
   Part& part_in(const std::vector<PixelBox>& boxes);
   const PictureMesh& mesh_for(const AirlightGrid& grid, Part* part);
-  Result<> draw_camera_on(const PictureMesh& mesh, Programs& programs, const CameraFrame& frame,
-                          const PictureOnTarget& shown);
+  Result<> draw_camera_on(const PictureMesh& mesh, Programs& programs, const FrameInputs& frame,
+                          const TargetPlacement& shown);
   // `part`: this alone; null: everywhere.
-  Result<> draw_area(PictureArea area, Part* part, Defines defines, Programs& programs, const CameraFrame& frame,
-                     const PictureOnTarget& shown, const ObjectLayer& layer, const AirlightGrid& measured,
+  Result<> draw_area(CutArea area, Part* part, Defines defines, Programs& programs, const FrameInputs& frame,
+                     const TargetPlacement& shown, const ObjectLayer& layer, const AirlightGrid& measured,
                      const SensorNoise& noise, const CameraProcessing* processing);
-  Result<> draw_finished(Programs& programs, const CameraFrame& frame, const PictureOnTarget& shown);
+  Result<> draw_finished(Programs& programs, const FrameInputs& frame, const TargetPlacement& shown);
   void bind_noise(const Program& program, const SensorNoise& noise, bool smooth);
 
   PixelBox covered_;
   std::vector<PixelBox> fully_covered_;
   bool is_left_open_ = false;
-  PictureRectangles rectangles_;      // of the camera's picture around and under the layer
+  CutRectangles rectangles_;          // of the camera's picture around and under the layer
   CutMesh mesh_;                      // of these
   Part part_;                         // drawn last; without boxes: none
   std::optional<PictureMesh> whole_;  // the same without a layer

@@ -9,7 +9,7 @@
 namespace kasumi {
 
 // Whole pixels of the target around the covered ones of the picture.
-void FinishedPixels::move_to(const PictureOnTarget& shown, const PixelBox& covered) {
+void FinishedPixels::move_to(const TargetPlacement& shown, const PixelBox& covered) {
   clear();
   picture_ = shown.box;
   top_row_first_ = shown.top_row_first;
@@ -26,7 +26,7 @@ void FinishedPixels::move_to(const PictureOnTarget& shown, const PixelBox& cover
   place_ = {(part_.left - picture_.x) / scale.x, first_row / scale.y, scale.x / size.x, down / size.y};
 }
 
-Result<bool> FinishedPixels::find(const PictureOnTarget& shown, const PixelBox& covered, const ObjectLook& look,
+Result<bool> FinishedPixels::find(const TargetPlacement& shown, const PixelBox& covered, const ObjectLook& look,
                                   const GlInfo& info, const std::function<Result<>()>& draw) {
   if (shown.box != picture_ || shown.top_row_first != top_row_first_ || covered != covered_) move_to(shown, covered);
   const bool settled = last_ && look_alike(*last_, look);

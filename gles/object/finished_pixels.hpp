@@ -14,7 +14,7 @@
 #include "gles/gl/program.hpp"
 #include "gles/gl/target.hpp"
 #include "gles/light/object_look.hpp"
-#include "gles/object/picture_on_target.hpp"
+#include "gles/object/target_placement.hpp"
 
 namespace kasumi {
 
@@ -27,7 +27,7 @@ class FinishedPixels {
   // are not there yet, and makes them those to be bound. `covered`: the pixels of the picture that hold them. false:
   // the look has changed since the picture before, and to keep them would cost more than it saves. Errors: device;
   // draw's.
-  Result<bool> find(const PictureOnTarget& shown, const PixelBox& covered, const ObjectLook& look, const GlInfo& info,
+  Result<bool> find(const TargetPlacement& shown, const PixelBox& covered, const ObjectLook& look, const GlInfo& info,
                     const std::function<Result<>()>& draw);
   // The same pixels in memory, those of the target's part that holds `covered`; read once. Errors: device.
   Result<const Image<glm::u8vec4>*> read();
@@ -40,7 +40,7 @@ class FinishedPixels {
     Image<glm::u8vec4> in_memory;    // empty: not read
     std::optional<ObjectLook> look;  // empty: nothing has been drawn
   };
-  void move_to(const PictureOnTarget& shown, const PixelBox& covered);
+  void move_to(const TargetPlacement& shown, const PixelBox& covered);
 
   std::array<Kept, kNoisePatterns> kept_;
   std::size_t found_ = 0;

@@ -139,7 +139,7 @@ std::vector<PixelBox> common(const std::vector<PixelBox>& boxes, const std::vect
 
 }  // namespace
 
-MixedProcessing::MixedProcessing(const ObjectInPicture& object, ProcessingOptions options)
+MixedProcessing::MixedProcessing(const ObjectFootprint& object, ProcessingSteps options)
     : object_(object), options_(std::move(options)), part_(blocks_around(object.changed)) {
   BlockMap all = blocks_of(part_, object.changed);
   const BlockMap live = live_blocks_of(part_, object.changed, object.covered);
@@ -162,7 +162,7 @@ MixedProcessing::Blocks MixedProcessing::all_or_live(const std::vector<PixelBox>
   return found;
 }
 
-bool MixedProcessing::is_for(const ObjectInPicture& object, const ProcessingOptions& options) const {
+bool MixedProcessing::is_for(const ObjectFootprint& object, const ProcessingSteps& options) const {
   const auto same_steps = [&] {
     return options.jpeg && options_.jpeg ? *options.jpeg == *options_.jpeg : options.jpeg == options_.jpeg;
   };

@@ -17,8 +17,8 @@ namespace kasumi {
 
 class MixedProcessing {
  public:
-  MixedProcessing(const ObjectInPicture& object, ProcessingOptions options);
-  bool is_for(const ObjectInPicture& object, const ProcessingOptions& options) const;
+  MixedProcessing(const ObjectFootprint& object, ProcessingSteps options);
+  bool is_for(const ObjectFootprint& object, const ProcessingSteps& options) const;
   // Whole blocks around what changes, which may reach beyond the picture.
   const PixelBox& part() const { return part_; }
 
@@ -47,8 +47,8 @@ class MixedProcessing {
   void round_block(int left, int top, Image<glm::u8vec4>& composite) const;
   glm::ivec2 last() const;  // of the part's pixels in the picture
 
-  ObjectInPicture object_;
-  ProcessingOptions options_;
+  ObjectFootprint object_;
+  ProcessingSteps options_;
   PixelBox part_;
   Blocks all_, live_;
   std::vector<PixelBox> kept_blocks_;  // all but the live ones, as those

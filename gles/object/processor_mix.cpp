@@ -34,7 +34,7 @@ void ProcessorMix::take_layer(LayerTexels layer, const Composite& composite) {
       for (int y = part.top; y < part.bottom; ++y)
         std::fill_n(mixed.row(y - box.top) + (part.left - box.left), part.right - part.left, value);
   };
-  set(composite.rectangles(PictureArea::edge), 1);
+  set(composite.rectangles(CutArea::edge), 1);
   set(composite.fully_covered(), 0);
   for (int y = 0; y < mixed.height(); ++y)
     for (int x = 0; x < mixed.width(); ++x) {
@@ -77,7 +77,7 @@ const Image<glm::u8vec4>& ProcessorMix::mix(const Parts& parts) {
 
 void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& mixed) {
   const glm::ivec2 size{picture_.width(), picture_.height()};
-  const ObjectInPicture object{parts.composite.changed(), parts.composite.fully_covered(), size};
+  const ObjectFootprint object{parts.composite.changed(), parts.composite.fully_covered(), size};
   if (object.changed.empty()) return;
   if (!processing_ || !processing_->is_for(object, parts.processing)) processing_.emplace(object, parts.processing);
   const PixelBox& part = processing_->part();

@@ -14,7 +14,7 @@
 #include "gles/object/mixed_edges.hpp"
 #include "gles/object/mixed_processing.hpp"
 #include "gles/picture/camera_pixels.hpp"
-#include "gles/picture/camera_planes.hpp"
+#include "gles/picture/plane_upload.hpp"
 
 namespace kasumi {
 
@@ -41,7 +41,7 @@ class ProcessorMix {
     const CoveredPixels& covered;
     const Image<glm::u8vec2>* foreground;  // as EdgeInputs has it
     bool matte, passers;                   // those taken count
-    ProcessingOptions processing;
+    ProcessingSteps processing;
     const AirlightGrid& measured;
     const SensorNoise& noise;
   };
@@ -62,7 +62,7 @@ class ProcessorMix {
   MatteNodes nodes_;
   InFront passers_;
   std::optional<MixedProcessing> processing_;
-  CameraPlanes shown_;
+  PlaneUpload shown_;
 };
 
 }  // namespace kasumi

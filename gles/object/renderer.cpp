@@ -98,7 +98,7 @@ Result<> Renderer::set_model(const Model& model) {
   return until_done([this] { return continue_model(); });
 }
 
-Result<> Renderer::begin_model(const Model& model, std::shared_ptr<const ModelChunks> chunks) {
+Result<> Renderer::begin_model(const Model& model, std::shared_ptr<const TriangleChunks> chunks) {
   State& s = *state_;
   auto upload = ModelUpload::begin(model, std::move(chunks), s.info, s.options.force_encoded_textures, s.notes);
   if (!upload) return fail(upload.error());
@@ -292,7 +292,7 @@ Result<> Renderer::draw_background(const DrawTarget& target) {
   State& s = *state_;
   if (auto ready = s.ready_for_frame(target); !ready) return ready;
   if (s.mixes()) return s.show(s.mix->background(), target);
-  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  const TargetPlacement shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, false);
   return s.composite.draw_camera_alone(s.programs, s.frame(), shown);
 }
@@ -311,7 +311,7 @@ Result<> Renderer::draw(const AirlightGrid& measured, const DrawTarget& target, 
   if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
-  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  const TargetPlacement shown(target, s.camera.newest().width, s.camera.newest().height);
   if (!*processed)
     if (auto done = s.composite.finish(s.programs, s.frame(), shown, *s.layer, measured, noise, s.info); !done)
       return done;
@@ -366,7 +366,7 @@ Result<> Renderer::draw_for_plane(const AirlightGrid& measured, const DrawTarget
   if (auto followed = s.follow_matte(); !followed) return followed;
   const auto processed = s.process(measured, noise);
   if (!processed) return fail(processed.error());
-  const PictureOnTarget shown(box, s.camera.newest().width, s.camera.newest().height);
+  const TargetPlacement shown(box, s.camera.newest().width, s.camera.newest().height);
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);
@@ -397,7 +397,7 @@ Result<> Renderer::draw_moving(const ObjectAppearance& appearance, const Airligh
   const auto drawn_shadow = s.shadow_under(appearance);
   if (!drawn_shadow) return fail(drawn_shadow.error());
   const SunShadow* shadow = detail == HazeDetail::per_vertex || s.many_varyings ? *drawn_shadow : nullptr;
-  const PictureOnTarget shown(target, s.camera.newest().width, s.camera.newest().height);
+  const TargetPlacement shown(target, s.camera.newest().width, s.camera.newest().height);
   shown.begin(target, true);
   Defines defines{"FINAL_COLOUR", s.response->define()};
   if (shadow) defines.merge(shadow->defines());

@@ -34,13 +34,13 @@
 
 namespace kasumi {
 
-struct ModelChunks;
-struct SkySquares;
+struct TriangleChunks;
+struct AtlasSquares;
 
 // What comes with a new layer, besides its light and air.
 struct WithLayer {
-  std::optional<ObjectDetail> detail{};     // from when the layer is whole; empty: as it is
-  std::shared_ptr<const SkySquares> sky{};  // sky_squares() of its light; null: computed in begin_layer()
+  std::optional<ObjectDetail> detail{};       // from when the layer is whole; empty: as it is
+  std::shared_ptr<const AtlasSquares> sky{};  // atlas_squares() of its light; null: computed in begin_layer()
 };
 
 class Renderer {
@@ -58,7 +58,7 @@ class Renderer {
   Result<> set_view(const SceneView& view, const glm::dmat4& model_to_world);
   // set_model() in pieces of some milliseconds, between which other renderers of this context may draw. `model` must
   // outlive them; `chunks`: the model's; null: it is cut here. After an error nothing more may be called.
-  Result<> begin_model(const Model& model, std::shared_ptr<const ModelChunks> chunks = nullptr);
+  Result<> begin_model(const Model& model, std::shared_ptr<const TriangleChunks> chunks = nullptr);
   Result<bool> continue_model();  // true: it is set
 
   // Scene camera's size; 0 where something stands in front of the object, 255 where nothing does, in between where it
@@ -83,7 +83,7 @@ class Renderer {
   // Where the object can appear; empty when it is out of the picture. The grids of airlight need to be valid only here.
   PixelBox object_box() const;
   PixelBox object_box(const ObjectDetail& detail) const;  // and where it could with this one
-  bool reflects() const;                                  // the model does: sky_squares() are needed with mirrors
+  bool reflects() const;                                  // the model does: atlas_squares() are needed with mirrors
 
   // Draws the object into the cached layer. Needs a model and a view. Takes long (supersampling); the result stays
   // valid for every exposure, that is for every measured airlight.

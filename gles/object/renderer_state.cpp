@@ -59,7 +59,7 @@ Result<> Renderer::State::follow_matte() {
   return matte->follow(programs, camera.newest(), *response, dither);
 }
 
-CameraFrame Renderer::State::frame() const {
+FrameInputs Renderer::State::frame() const {
   const bool open = composite.is_left_open();
   return {camera.newest(),
           *response,
@@ -90,8 +90,8 @@ Result<> Renderer::State::ready_for_layer(const AirlightGrid& measured, const Dr
   return {};
 }
 
-ProcessingOptions Renderer::State::wanted_processing() const {
-  ProcessingOptions wanted{detail.sharpening, detail.jpeg_blocks ? jpeg : nullptr, {1, 1}};
+ProcessingSteps Renderer::State::wanted_processing() const {
+  ProcessingSteps wanted{detail.sharpening, detail.jpeg_blocks ? jpeg : nullptr, {1, 1}};
   if (!info.highp_fragments) wanted.jpeg.reset();
   const PixelLayout layout = camera.newest().layout;
   if (layout == PixelLayout::i420) wanted.shared_pixels = {2, 2};
@@ -103,7 +103,7 @@ Result<const CameraProcessing*> Renderer::State::process(const AirlightGrid& mea
   const auto wanted = wanted_processing();
   if (wanted.none()) return nullptr;
   const glm::ivec2 size{camera.newest().width, camera.newest().height};
-  const ObjectInPicture object{composite.changed(), composite.fully_covered(), size};
+  const ObjectFootprint object{composite.changed(), composite.fully_covered(), size};
   if (object.changed.empty()) return nullptr;
   if (!processing || !processing->is_for(object, wanted)) {
     processing.reset();
@@ -111,7 +111,7 @@ Result<const CameraProcessing*> Renderer::State::process(const AirlightGrid& mea
     if (!made) return fail(made.error());
     processing = std::move(*made);
   }
-  const PictureOnTarget part(processing->part(), size.x, size.y);
+  const TargetPlacement part(processing->part(), size.x, size.y);
   const auto whole_view = [&] { glViewport(part.box.x, part.box.y, part.box.width, part.box.height); };
   const auto draw_camera = [&](const std::vector<PixelBox>* only) {
     whole_view();
@@ -137,7 +137,7 @@ Result<const Image<glm::u8vec4>*> Renderer::State::mixed(const AirlightGrid* mea
 }
 
 Result<> Renderer::State::show(const Image<glm::u8vec4>& picture, const DrawTarget& target) {
-  const PictureOnTarget shown(target, picture.width(), picture.height());
+  const TargetPlacement shown(target, picture.width(), picture.height());
   if (shown.same_size && PictureCopy::works(info)) {
     shown.begin(target, false);
     return copy.show(picture, target, shown.box);
@@ -264,7 +264,7 @@ Result<bool> Renderer::State::next_piece() {
   return true;
 }
 
-Result<> Renderer::State::follow(const ObjectLight& light, const SkySquares* prepared) {
+Result<> Renderer::State::follow(const ObjectLight& light, const AtlasSquares* prepared) {
   return sky.update(light.around, reflects(), prepared);
 }
 

@@ -9,7 +9,7 @@
 
 #include "gles/gl/picture_copy.hpp"
 #include "gles/gpu_model/gpu_model.hpp"
-#include "gles/light/sky_atlas.hpp"
+#include "gles/light/radiance_atlas.hpp"
 #include "gles/object/camera_processing.hpp"
 #include "gles/object/composite.hpp"
 #include "gles/object/foreground.hpp"
@@ -29,7 +29,7 @@ struct Renderer::State {
   // A layer under way.
   struct UnfinishedLayer {
     ObjectAppearance appearance;
-    std::shared_ptr<const SkySquares> sky;  // may be null
+    std::shared_ptr<const AtlasSquares> sky;  // may be null
     ObjectDetail detail;
     PixelBox box;
     std::optional<SunShadowDrawing> shadow;  // while the shadow is drawn
@@ -46,7 +46,7 @@ struct Renderer::State {
   CameraInput camera{info, options};
   std::optional<ResponseOnGpu> response;
   std::optional<GpuModel> model;
-  SkyAtlas sky;  // for the last light
+  RadianceAtlas sky;  // for the last light
   SurfaceUnits units_in_one_pass;
   std::optional<Projection> projection;
   ObjectDetail detail;
@@ -83,12 +83,12 @@ struct Renderer::State {
   Result<> find_matte();
   Result<> follow_matte();
 
-  CameraFrame frame() const;
+  FrameInputs frame() const;
 
   Result<> ready_for_frame(const DrawTarget& target) const;
   Result<> ready_for_layer(const AirlightGrid& measured, const DrawTarget& target, const SensorNoise& noise) const;
 
-  ProcessingOptions wanted_processing() const;
+  ProcessingSteps wanted_processing() const;
   // The composite around the object as the camera would have processed it; null: it does nothing to its pictures.
   Result<const CameraProcessing*> process(const AirlightGrid& measured, const SensorNoise& noise);
 
@@ -117,7 +117,7 @@ struct Renderer::State {
   Result<bool> next_piece();
 
   // The filtered surroundings follow the light.
-  Result<> follow(const ObjectLight& light, const SkySquares* prepared = nullptr);
+  Result<> follow(const ObjectLight& light, const AtlasSquares* prepared = nullptr);
   bool reflects() const { return std::ranges::any_of(model->materials(), &ModelMaterial::reflects); }
 };
 

@@ -37,7 +37,7 @@ void decode_colours(std::span<std::uint8_t> bytes) {
   }
 }
 
-Result<> unfilter(std::vector<std::uint8_t>& bytes, const MeshoptView& view) {
+Result<> unfilter(std::vector<std::uint8_t>& bytes, const MeshoptBuffer& view) {
   const auto strides = [&](std::initializer_list<std::size_t> allowed) {
     return std::ranges::find(allowed, view.stride) != allowed.end();
   };
@@ -61,7 +61,7 @@ Result<> unfilter(std::vector<std::uint8_t>& bytes, const MeshoptView& view) {
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> stream, const MeshoptView& view,
+Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> stream, const MeshoptBuffer& view,
                                                std::size_t most) {
   const bool attributes = view.mode == "ATTRIBUTES", triangles = view.mode == "TRIANGLES";
   if (!attributes && !triangles && view.mode != "INDICES")

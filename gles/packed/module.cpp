@@ -22,7 +22,7 @@ class PackedModels final : public RareModels {
                                const DracoLimits& limits) const override {
     return guarded([&] { return read_draco(stream, attributes, limits); });
   }
-  Result<std::vector<std::uint8_t>> meshopt_view(std::span<const std::uint8_t> stream, const MeshoptView& view,
+  Result<std::vector<std::uint8_t>> meshopt_view(std::span<const std::uint8_t> stream, const MeshoptBuffer& view,
                                                  std::size_t most) const override {
     return guarded([&] { return read_meshopt(stream, view, most); });
   }

@@ -8,7 +8,7 @@ namespace kasumi {
 
 Result<DracoMesh> read_draco(std::span<const std::uint8_t> stream, std::span<DracoAttribute> attributes,
                              const DracoLimits& limits);
-Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> stream, const MeshoptView& view,
+Result<std::vector<std::uint8_t>> read_meshopt(std::span<const std::uint8_t> stream, const MeshoptBuffer& view,
                                                std::size_t most);
 Result<Image<glm::u8vec4>> read_webp(std::span<const std::uint8_t> file, int width, int height);
 Result<Image<glm::u8vec4>> read_ktx2(std::span<const std::uint8_t> file, int width, int height);

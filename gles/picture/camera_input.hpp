@@ -8,8 +8,8 @@
 
 #include "base/picture.hpp"
 #include "base/result.hpp"
-#include "gles/picture/camera_import.hpp"
-#include "gles/picture/camera_planes.hpp"
+#include "gles/picture/plane_import.hpp"
+#include "gles/picture/plane_upload.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {
@@ -39,8 +39,8 @@ class CameraInput {
 
   const GlInfo& info_;
   const RendererOptions& options_;
-  CameraPlanes planes_;
-  std::optional<CameraImport> import_;
+  PlaneUpload planes_;
+  std::optional<PlaneImport> import_;
   std::optional<Fault> no_import_;                 // set if this driver cannot import at all
   std::optional<ExternalPicture> import_refused_;  // the last kind of picture refused
   CameraTextures newest_;

@@ -12,7 +12,7 @@ namespace {
 constexpr int kGroup = 4;
 
 // Drawing costs relative to a pixel of the camera's picture alone, measured on llvmpipe; only the ratios matter.
-constexpr std::array<double, kPictureAreas> kPixelCost{1.0, 1.3, 4.0};
+constexpr std::array<double, kCutAreas> kPixelCost{1.0, 1.3, 4.0};
 constexpr double kDiagonalCost =
     8.0;  // per pixel of a rectangle's width and height, for the diagonal between its two triangles
 constexpr double kBorderCost = 5.0;  // per pixel of a side that is not on a multiple of 16 pixels
@@ -25,7 +25,7 @@ int height_of(const PixelBox& r) {
   return r.bottom - r.top;
 }
 
-double cost(PictureArea area, const PixelBox& r) {
+double cost(CutArea area, const PixelBox& r) {
   const double w = kGroup * width_of(r), h = kGroup * height_of(r);
   const auto off_line = [](int a, int b) { return (a % 4 != 0 ? 1.0 : 0.0) + (b % 4 != 0 ? 1.0 : 0.0); };
   return w * h * kPixelCost[static_cast<std::size_t>(area)] + kDiagonalCost * (w + h) +
@@ -36,7 +36,7 @@ double cost(PictureArea area, const PixelBox& r) {
 class Count {
  public:
   template <class Condition>
-  Count(const Image<PictureArea>& groups, Condition fulfils) : sums_(groups.width() + 1, groups.height() + 1) {
+  Count(const Image<CutArea>& groups, Condition fulfils) : sums_(groups.width() + 1, groups.height() + 1) {
     for (int y = 0; y < groups.height(); ++y)
       for (int x = 0; x < groups.width(); ++x)
         sums_.at(x + 1, y + 1) =
@@ -52,7 +52,7 @@ class Count {
 };
 
 struct Piece {
-  PictureArea area;
+  CutArea area;
   PixelBox box;
 };
 struct Cutting {
@@ -64,17 +64,17 @@ using Cut = std::array<PixelBox, 2>;
 class Cutter {
  public:
   // The first group is (first_x, first_y) of the picture.
-  Cutter(const Image<PictureArea>& groups, int first_x, int first_y)
+  Cutter(const Image<CutArea>& groups, int first_x, int first_y)
       : first_x_(first_x),
         first_y_(first_y),
-        plain_(groups, [](PictureArea a) { return a == PictureArea::plain; }),
-        covered_(groups, [](PictureArea a) { return a == PictureArea::covered; }) {}
+        plain_(groups, [](CutArea a) { return a == CutArea::plain; }),
+        covered_(groups, [](CutArea a) { return a == CutArea::covered; }) {}
 
   // The cheapest cutting found: the whole rectangle, or the best two parts, cut recursively.
   Cutting cut(const PixelBox& r) const {
-    const PictureArea area = kind(r);
+    const CutArea area = kind(r);
     Cutting whole{{{area, r}}, cost(area, r)};
-    if (area != PictureArea::edge) return whole;
+    if (area != CutArea::edge) return whole;
     const auto halves = best_cut(r);
     if (!halves) return whole;
     Cutting parts = cut((*halves)[0]);
@@ -86,25 +86,25 @@ class Cutter {
   }
 
  private:
-  PictureArea kind(const PixelBox& r) const {
+  CutArea kind(const PixelBox& r) const {
     const int all = width_of(r) * height_of(r);
     const PixelBox own{r.left - first_x_, r.top - first_y_, r.right - first_x_, r.bottom - first_y_};
-    if (plain_.in(own) == all) return PictureArea::plain;
-    return covered_.in(own) == all ? PictureArea::covered : PictureArea::edge;
+    if (plain_.in(own) == all) return CutArea::plain;
+    return covered_.in(own) == all ? CutArea::covered : CutArea::edge;
   }
 
   // The longest uniform strip along a side; strip(length) gives the strip and the rest of r.
   template <class Strip>
   std::optional<Cut> longest(const PixelBox& r, int most, Strip strip) const {
-    const PictureArea area = kind(strip(1)[0]);
-    if (area == PictureArea::edge) return std::nullopt;
+    const CutArea area = kind(strip(1)[0]);
+    if (area == CutArea::edge) return std::nullopt;
     int fits = 1, fails = most;
     while (fails - fits > 1) {
       const int middle = (fits + fails) / 2;
       (kind(strip(middle)[0]) == area ? fits : fails) = middle;
     }
     const Cut cut = strip(fits);
-    if (cost(area, cut[0]) + cost(PictureArea::edge, cut[1]) >= cost(PictureArea::edge, r)) return std::nullopt;
+    if (cost(area, cut[0]) + cost(CutArea::edge, cut[1]) >= cost(CutArea::edge, r)) return std::nullopt;
     return cut;
   }
 
@@ -132,19 +132,19 @@ class Cutter {
     for (const auto& strip : strips) {
       if (!strip) continue;
       const double saves =
-          cost(PictureArea::edge, r) - cost(kind((*strip)[0]), (*strip)[0]) - cost(PictureArea::edge, (*strip)[1]);
+          cost(CutArea::edge, r) - cost(kind((*strip)[0]), (*strip)[0]) - cost(CutArea::edge, (*strip)[1]);
       if (saves > saved) saved = saves, best = strip;
     }
     return best;
   }
 
   double promise(const PixelBox& r) const {
-    const PictureArea area = kind(r);
+    const CutArea area = kind(r);
     double saved = 0.0;
-    if (area == PictureArea::edge)
+    if (area == CutArea::edge)
       best_strip(r, saved);
     else
-      saved = cost(PictureArea::edge, r) - cost(area, r);
+      saved = cost(CutArea::edge, r) - cost(area, r);
     return saved;
   }
 
@@ -174,10 +174,10 @@ class Cutter {
 };
 
 // The kind of each group of the box; the first begins at or before the box's corner.
-Image<PictureArea> grouped(const PixelBox& box, const Image<float>& coverage) {
+Image<CutArea> grouped(const PixelBox& box, const Image<float>& coverage) {
   const int skip_x = box.left % kGroup, skip_y = box.top % kGroup;
-  Image<PictureArea> groups((skip_x + coverage.width() + kGroup - 1) / kGroup,
-                            (skip_y + coverage.height() + kGroup - 1) / kGroup);
+  Image<CutArea> groups((skip_x + coverage.width() + kGroup - 1) / kGroup,
+                        (skip_y + coverage.height() + kGroup - 1) / kGroup);
   for (int v = 0; v < groups.height(); ++v)
     for (int u = 0; u < groups.width(); ++u) {
       bool any = false, all = true;
@@ -186,7 +186,7 @@ Image<PictureArea> grouped(const PixelBox& box, const Image<float>& coverage) {
           any = any || coverage.at(x, y) > 0.0f;
           all = all && coverage.at(x, y) >= 1.0f;
         }
-      groups.at(u, v) = all ? PictureArea::covered : any ? PictureArea::edge : PictureArea::plain;
+      groups.at(u, v) = all ? CutArea::covered : any ? CutArea::edge : CutArea::plain;
     }
   return groups;
 }
@@ -207,23 +207,23 @@ std::vector<int> ends_at_lines(int first, int last, double first_line, double la
 
 }  // namespace
 
-PictureRectangles cut_picture(int width, int height, const PixelBox& box, const Image<float>& coverage) {
-  PictureRectangles rectangles;
-  const auto add = [&](PictureArea area, const PixelBox& rectangle) {
+CutRectangles cut_picture(int width, int height, const PixelBox& box, const Image<float>& coverage) {
+  CutRectangles rectangles;
+  const auto add = [&](CutArea area, const PixelBox& rectangle) {
     if (!rectangle.empty()) rectangles[static_cast<std::size_t>(area)].push_back(rectangle);
   };
   if (box.empty()) {
-    add(PictureArea::plain, {0, 0, width, height});
+    add(CutArea::plain, {0, 0, width, height});
     return rectangles;
   }
-  add(PictureArea::plain, {0, 0, width, box.top});
-  add(PictureArea::plain, {0, box.top, box.left, box.bottom});
-  add(PictureArea::plain, {box.right, box.top, width, box.bottom});
-  add(PictureArea::plain, {0, box.bottom, width, height});
+  add(CutArea::plain, {0, 0, width, box.top});
+  add(CutArea::plain, {0, box.top, box.left, box.bottom});
+  add(CutArea::plain, {box.right, box.top, width, box.bottom});
+  add(CutArea::plain, {0, box.bottom, width, height});
 
   // Groups are counted from the picture's corner, which is on the 16-pixel lines that the cost assumes.
   const int first_x = box.left / kGroup, first_y = box.top / kGroup;
-  const Image<PictureArea> groups = grouped(box, coverage);
+  const Image<CutArea> groups = grouped(box, coverage);
   const PixelBox all{first_x, first_y, first_x + groups.width(), first_y + groups.height()};
   for (const auto& [area, piece] : Cutter(groups, first_x, first_y).cut(all).pieces) {
     const PixelBox pixels{std::max(box.left, piece.left * kGroup), std::max(box.top, piece.top * kGroup),
@@ -233,11 +233,11 @@ PictureRectangles cut_picture(int width, int height, const PixelBox& box, const 
   return rectangles;
 }
 
-PictureRectangles cut_at_lines(const PictureRectangles& rectangles, const AirlightGrid& grid) {
-  PictureRectangles cut;
-  for (std::size_t area = 0; area < kPictureAreas; ++area)
+CutRectangles cut_at_lines(const CutRectangles& rectangles, const AirlightGrid& grid) {
+  CutRectangles cut;
+  for (std::size_t area = 0; area < kCutAreas; ++area)
     for (const PixelBox& whole : rectangles[area]) {
-      if (area == static_cast<std::size_t>(PictureArea::plain)) {
+      if (area == static_cast<std::size_t>(CutArea::plain)) {
         cut[area].push_back(whole);
         continue;
       }

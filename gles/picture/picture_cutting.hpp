@@ -9,17 +9,17 @@
 
 namespace kasumi {
 
-enum class PictureArea { plain = 0, covered = 1, edge = 2 };
-constexpr std::size_t kPictureAreas = 3;
+enum class CutArea { plain = 0, covered = 1, edge = 2 };
+constexpr std::size_t kCutAreas = 3;
 
-using PictureRectangles = std::array<std::vector<PixelBox>, kPictureAreas>;
+using CutRectangles = std::array<std::vector<PixelBox>, kCutAreas>;
 
 // Cuts a picture so that no pixel is drawn twice and drawing is cheap. `coverage`, 0..1, is the box's: a rectangle is
 // covered if it is 1 throughout, plain if it is 0 throughout.
-PictureRectangles cut_picture(int width, int height, const PixelBox& box, const Image<float>& coverage);
+CutRectangles cut_picture(int width, int height, const PixelBox& box, const Image<float>& coverage);
 
 // Cuts covered and edge rectangles at the grid's lines, so that interpolating between their corners reproduces the
 // grid.
-PictureRectangles cut_at_lines(const PictureRectangles& rectangles, const AirlightGrid& grid);
+CutRectangles cut_at_lines(const CutRectangles& rectangles, const AirlightGrid& grid);
 
 }  // namespace kasumi

@@ -9,10 +9,10 @@
 
 namespace kasumi {
 
-PictureMesh PictureMesh::upload(const PictureRectangles& rectangles) {
+PictureMesh PictureMesh::upload(const CutRectangles& rectangles) {
   PictureMesh mesh;
   std::vector<glm::vec2> corners;
-  for (std::size_t area = 0; area < kPictureAreas; ++area) {
+  for (std::size_t area = 0; area < kCutAreas; ++area) {
     for (const PixelBox& box : rectangles[area]) {
       const glm::vec2 a(box.left, box.top), b(box.right, box.top), c(box.left, box.bottom), d(box.right, box.bottom);
       corners.insert(corners.end(), {a, b, c, c, b, d});
@@ -26,12 +26,12 @@ PictureMesh PictureMesh::upload(const PictureRectangles& rectangles) {
   return mesh;
 }
 
-bool PictureMesh::empty(PictureArea area) const {
+bool PictureMesh::empty(CutArea area) const {
   const auto at = static_cast<std::size_t>(area);
   return first_[at] == first_[at + 1];
 }
 
-void PictureMesh::draw(PictureArea area) const {
+void PictureMesh::draw(CutArea area) const {
   if (empty(area)) return;
   const auto at = static_cast<std::size_t>(area);
   glBindBuffer(GL_ARRAY_BUFFER, corners_.name());

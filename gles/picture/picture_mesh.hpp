@@ -10,14 +10,14 @@ namespace kasumi {
 
 class PictureMesh {
  public:
-  static PictureMesh upload(const PictureRectangles& rectangles);
-  bool empty(PictureArea area) const;
-  void draw(PictureArea area) const;
+  static PictureMesh upload(const CutRectangles& rectangles);
+  bool empty(CutArea area) const;
+  void draw(CutArea area) const;
 
  private:
   PictureMesh() = default;
   GlBuffer corners_;
-  std::array<int, kPictureAreas + 1> first_{};
+  std::array<int, kCutAreas + 1> first_{};
 };
 
 }  // namespace kasumi

@@ -109,7 +109,7 @@ class MachineDevices final : public Devices {
 }  // namespace
 
 std::unique_ptr<ReconnectingSource> reconnecting(CameraOpening opening, Clock& clock) {
-  ReconnectOptions options;
+  ReconnectTimes options;
   const auto at_least = [](Duration& deadline, Duration least) { deadline = std::max(deadline, least); };
   at_least(options.stall_deadline, opening.frame_interval * 5 / 2);
   at_least(options.first_frame_deadline, opening.frame_interval * 5 / 2);

@@ -57,7 +57,7 @@ std::optional<double> as_number(const std::optional<bool>& flag) {
   return flag ? std::optional(*flag ? 1.0 : 0.0) : std::nullopt;
 }
 
-void tell_cameras(const ToldStatus& told, MetricsText& text) {
+void tell_cameras(const ReportedStatus& told, MetricsText& text) {
   for (std::size_t i = 0; i < std::size(kCameraFigures); ++i) {
     const auto& figure = kCameraFigures[i];
     if (figure.metric.empty()) continue;
@@ -67,7 +67,7 @@ void tell_cameras(const ToldStatus& told, MetricsText& text) {
   }
 }
 
-void tell_drift(const ToldStatus& told, MetricsText& text) {
+void tell_drift(const ReportedStatus& told, MetricsText& text) {
   if (told.check_utc.empty()) return;
   text.head("drifted", "What the last daily check found to have changed since the calibration.");
   static constexpr std::string_view kCameras[] = {"scene", "sky"};
@@ -81,7 +81,7 @@ void tell_drift(const ToldStatus& told, MetricsText& text) {
     }
 }
 
-void tell_status(const ToldStatus& told, MetricsText& text) {
+void tell_status(const ReportedStatus& told, MetricsText& text) {
   tell_cameras(told, text);
   for (const auto& figure : kStatusFigures)
     if (const auto value = told.values.of(figure.key); value && !figure.metric.empty())

@@ -102,9 +102,9 @@ std::string mqtt_state(const Heard& heard, Language language) {
     if (!symptom.detail.empty()) wrong += fmt::format(" ({})", detail_text(symptom, language));
   }
   if (wrong.empty()) wrong = text_of("figure.nothing_wrong", language);
-  const ToldStatus none;
+  const ReportedStatus none;
   const auto& told = heard.status ? *heard.status : none;
-  const auto camera = [&](const ToldCamera& of) { return heard.status ? Message(of.values.is("up")) : Message(); };
+  const auto camera = [&](const ReportedCamera& of) { return heard.status ? Message(of.values.is("up")) : Message(); };
   Message state{{"sight", name_of(diagnosis.sight)},
                 {"well", is_well(diagnosis.sight)},
                 {"seen", sight_text(diagnosis.sight, language)},

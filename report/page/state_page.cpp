@@ -87,7 +87,7 @@ class Writer {
   std::string html_;
 };
 
-void write_table(const ToldStatus& told, bool machine, Writer& page) {
+void write_table(const ReportedStatus& told, bool machine, Writer& page) {
   for (const auto& figure : kStatusFigures) {
     const auto& shown = figure.shown;
     const auto value = told.values.of(figure.key), beside = told.values.of(shown.beside);
@@ -127,7 +127,7 @@ std::string pull_text(const PullStatus& pull, minutes wall, const Writer& page) 
   return text;
 }
 
-void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
+void write_content(const ReportedStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.figure("page.content", std::string(page.in(told.refused.empty() ? "page.as_configured" : "page.earlier")));
   if (told.arrived)
     page.figure("page.brought", fmt::format("{}: {}", wall_stamp(std::chrono::floor<minutes>(*told.arrived), wall),
@@ -135,9 +135,9 @@ void write_content(const ToldStatus& told, const std::optional<PullStatus>& pull
   if (pull) page.figure("page.server", pull_text(*pull, wall, page));
 }
 
-void write_figures(const ToldStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
+void write_figures(const ReportedStatus& told, const std::optional<PullStatus>& pull, minutes wall, Writer& page) {
   page.add("<section aria-labelledby=\"figures\">\n<h2 id=\"figures\">{}</h2>\n<dl>\n", page.in("page.figures"));
-  const auto camera = [&](const ToldCamera& of) {
+  const auto camera = [&](const ReportedCamera& of) {
     if (!of.values.is("up"))
       return fmt::format("{}{}{}", page.in("page.fails"), of.cause.empty() ? "" : ": ", of.cause);
     std::string text(page.in("page.works"));

@@ -122,7 +122,7 @@ bool Tokens::may_look(const std::string& address) {
   return is_friend || looked_at_all_++ < kStrangersGuessesPerSecond;
 }
 
-bool Tokens::is_valid(const TokenOptions& option) const {
+bool Tokens::is_valid(const AccessToken& option) const {
   return !option.until || clock_.utc() < *option.until;
 }
 

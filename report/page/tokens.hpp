@@ -13,7 +13,7 @@
 
 namespace kasumi::report {
 
-struct TokenOptions {
+struct AccessToken {
   std::string name;          // of whom or what it is for
   std::string hash;          // crypt(5): "$y$..." or another method of this machine's crypt()
   std::optional<Utc> until;  // valid so long; empty: for ever
@@ -33,7 +33,7 @@ bool is_usable_hash(const std::string& hash);
 
 class Tokens {
  public:
-  Tokens(std::vector<TokenOptions> options, Clock& clock) : options_(std::move(options)), clock_(clock) {}
+  Tokens(std::vector<AccessToken> options, Clock& clock) : options_(std::move(options)), clock_(clock) {}
   bool empty() const { return options_.empty(); }
   // The token of an Authorization header: "Bearer TOKEN", or "Basic ..." with the token as password, which browsers ask
   // for. A token that was admitted is known again without the cost of its hash. Compares in constant time. Guesses are
@@ -47,9 +47,9 @@ class Tokens {
     std::size_t option;
   };
   bool may_look(const std::string& address);
-  bool is_valid(const TokenOptions& option) const;
+  bool is_valid(const AccessToken& option) const;
 
-  std::vector<TokenOptions> options_;
+  std::vector<AccessToken> options_;
   Clock& clock_;
   std::vector<Known> known_;
   Instant window_{};

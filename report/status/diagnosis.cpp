@@ -8,11 +8,11 @@ namespace kasumi::report {
 namespace {
 
 // Then their being away is no fault of theirs.
-bool leaves_cameras_alone(const ToldStatus& told) {
+bool leaves_cameras_alone(const ReportedStatus& told) {
   return told.values.is("start.safe_mode") || told.trouble == Trouble::content_refused;
 }
 
-Sight sight_of(const ToldStatus& told) {
+Sight sight_of(const ReportedStatus& told) {
   if (!told.shown) return Sight::unknown;
   switch (*told.shown) {
     case Shown::live: return told.values.is("building_drawn") ? Sight::live : Sight::no_building;
@@ -55,7 +55,7 @@ std::string joined(const std::vector<std::string>& lines) {
 }
 
 // Why the picture is not live, each in the kiosk's words where it has some.
-std::string detail_of(Ill ill, const ToldStatus& told) {
+std::string detail_of(Ill ill, const ReportedStatus& told) {
   switch (ill) {
     case Ill::scene_lost:
     case Ill::starting: return told.scene_camera.cause;
@@ -66,7 +66,7 @@ std::string detail_of(Ill ill, const ToldStatus& told) {
   }
 }
 
-void add_drift(const ToldStatus& told, std::vector<Symptom>& symptoms) {
+void add_drift(const ReportedStatus& told, std::vector<Symptom>& symptoms) {
   std::vector<std::string> moved, soiled;
   for (const auto& drift : told.drifted)
     (drift.what == "dome" || drift.what == "focus" ? soiled : moved).push_back(drift.camera + ": " + drift.words);
@@ -75,19 +75,19 @@ void add_drift(const ToldStatus& told, std::vector<Symptom>& symptoms) {
 }
 
 // Pictures come, and none can be shown: neither a cable nor a wait would help.
-bool comes_in_another_size(const ToldCamera& camera) {
+bool comes_in_another_size(const ReportedCamera& camera) {
   return !camera.values.is("up") && camera.cause.find(" instead of ") != std::string::npos;
 }
 
 // The picture's trouble is that none has come which could be drawn, and why is told by itself.
-bool is_explained_by_drawing(Trouble trouble, const ToldStatus& told) {
+bool is_explained_by_drawing(Trouble trouble, const ReportedStatus& told) {
   const bool none_came = trouble == Trouble::starting || trouble == Trouble::scene_lost;
   return none_came && (comes_in_another_size(told.scene_camera) ||
                        (told.scene_camera.values.is("up") && !told.draw_refused.empty()));
 }
 
 // A camera whose loop hangs is told to be gone, and that it hangs.
-std::vector<std::string> other_hung_loops(const ToldStatus& told) {
+std::vector<std::string> other_hung_loops(const ReportedStatus& told) {
   auto loops = told.hung_loops;
   std::erase_if(loops, [&](const std::string& loop) {
     return (loop == "scene" && !told.scene_camera.values.is("up")) ||
@@ -96,7 +96,7 @@ std::vector<std::string> other_hung_loops(const ToldStatus& told) {
   return loops;
 }
 
-std::vector<Symptom> symptoms_of(const ToldStatus& told) {
+std::vector<Symptom> symptoms_of(const ReportedStatus& told) {
   std::vector<Symptom> symptoms;
   const auto add_list = [&](Ill ill, const std::vector<std::string>& lines, std::size_t in_all) {
     const bool known = std::ranges::any_of(symptoms, [&](const Symptom& other) { return other.ill == ill; });

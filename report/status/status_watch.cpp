@@ -57,7 +57,7 @@ ThisMachine this_machine() {
 
 // Of one that names no boot, an older version's, only what was seen is known. Not by the file's times, nor by the clock:
 // the machine's time may be set while it lies there.
-StatusWatch::Age StatusWatch::age_of(const ToldStatus& status) const {
+StatusWatch::Age StatusWatch::age_of(const ReportedStatus& status) const {
   Age age{clock_.now() - *changed_, false};
   if (status.boot.empty() || !status.values["since_boot_s"]) return age;
   if (!machine_.boot.empty() && status.boot != machine_.boot) return {kStopPassesBy + kSilent, true};

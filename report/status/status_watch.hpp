@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "report/status/told_status.hpp"
+#include "report/status/reported_status.hpp"
 
 namespace kasumi::report {
 
@@ -28,9 +28,9 @@ constexpr Duration kStopPassesBy = std::chrono::minutes(10);
 
 struct Heard {
   Contact contact = Contact::absent;
-  std::optional<ToldStatus> status;  // only when heard
-  std::string why;                   // why not
-  Duration silent{};                 // since it was written
+  std::optional<ReportedStatus> status;  // only when heard
+  std::string why;                       // why not
+  Duration silent{};                     // since it was written
 };
 
 // The whole text of a file of at most `most_bytes`, which must be a regular one: no link, pipe or device, which would lead
@@ -61,7 +61,7 @@ class StatusWatch {
     Duration silent{};
     bool gone = false;
   };
-  Age age_of(const ToldStatus& status) const;
+  Age age_of(const ReportedStatus& status) const;
 
   ThisMachine machine_;
   std::string text_;  // as it was last

@@ -28,7 +28,7 @@ CalibrationStep lens_step() {
   step.width = 1032;
   step.height = 778;
   step.serial = "FE \"185\"";
-  step.lens = LensDescription{OpencvFisheyeModel{{336.8, 337.9}, {543.4, 377.7}, {-0.013, 0.021, -0.0074, 0.0011}},
+  step.lens = LensDescription{OpencvFisheyeParameters{{336.8, 337.9}, {543.4, 377.7}, {-0.013, 0.021, -0.0074, 0.0011}},
                               from_degrees(95.0)};
   step.calibrated_utc = "2026-11-21T10:00:00Z";
   step.measured.push_back({"lens", "2026-11-21T10:00:00Z", "2 pictures: a\\b.jpg", {{"rms_px", 0.4}}, {"c.jpg: bad"}});
@@ -122,11 +122,12 @@ TEST(CalibrationFile, AnglesRoundTripForEveryOrientation) {
 
 TEST(LensDescription, IsReadBackAsWrittenAndResizingScalesEveryRadius) {
   for (const auto& description :
-       {LensDescription{IdealFisheyeModel{{10.5, 20.0}, 150.0, true}, from_degrees(95.0)},
-        LensDescription{OpencvFisheyeModel{{330.0, 331.5}, {540, 370.25}, {0.01, 0, 0, 0}}, from_degrees(90.0)},
-        LensDescription{ScaramuzzaModel{{-551.7655, 0.0, 8.4e-4, -6.5e-7, 1.2e-9}, {505.5, 381.75}, 1.003, 1e-3, 0.0},
-                        from_degrees(100.0)},
-        LensDescription{PinholeModel{{800, 801.5}, {320, 240}, {-0.1, 0.01, 1e-3, 0, 0}}}}) {
+       {LensDescription{IdealFisheyeParameters{{10.5, 20.0}, 150.0, true}, from_degrees(95.0)},
+        LensDescription{OpencvFisheyeParameters{{330.0, 331.5}, {540, 370.25}, {0.01, 0, 0, 0}}, from_degrees(90.0)},
+        LensDescription{
+            ScaramuzzaParameters{{-551.7655, 0.0, 8.4e-4, -6.5e-7, 1.2e-9}, {505.5, 381.75}, 1.003, 1e-3, 0.0},
+            from_degrees(100.0)},
+        LensDescription{PinholeParameters{{800, 801.5}, {320, 240}, {-0.1, 0.01, 1e-3, 0, 0}}}}) {
     const auto root = must(ConfigTable::parse("[lens]\n" + toml_of(description), "lens.toml"));
     const auto again = read_lens_description(root->table("lens"));
     ASSERT_TRUE(root->finish()) << model_name(description);

@@ -48,7 +48,7 @@ class Faults : public testing::Test {
             },
             [&from] { return from.plugged_in(); }};
   }
-  void watch(SourceOpener opener, const ReconnectOptions& with = {}) {
+  void watch(SourceOpener opener, const ReconnectTimes& with = {}) {
     held = Frame{};
     source = reconnecting(std::move(opener), clock, with);
   }

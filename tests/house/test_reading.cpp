@@ -32,7 +32,7 @@ TEST(Reading, NoPictureIsDecodedBeforeItsSizeIsKnown) {
     // What decodes without knowing whose file it is: whoever calls it has bounded the file's size.
     if (name.starts_with("base/picture_files/")) continue;
     constexpr std::array<const char*, 6> kDecoders{"imdecode(",   "imread(",           "decode_picture_file(",
-                                                   "decode_png(", "decode_jpeg_file(", "decode_seen_picture("};
+                                                   "decode_png(", "decode_jpeg_file(", "decode_upright_picture("};
     if (std::ranges::none_of(kDecoders, [&](const char* call) { return text.find(call) != std::string::npos; }))
       continue;
     decoders.push_back(name);

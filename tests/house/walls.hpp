@@ -204,7 +204,7 @@ inline const Walls kLibraryDoors = {
     {"toml++/", {"base/table/"}},
     {"webp/", {"gles/packed/"}},
     {"xf86drm", {"gles/display/kms_drm"}},
-    {"zlib.h", {"base/picture_files/picture_tags.cpp"}},
+    {"zlib.h", {"base/picture_files/embedded_tags.cpp"}},
     {"zstd.h", {"gles/packed/"}},
 };
 

@@ -21,7 +21,7 @@ struct Scene {
   Image<float> distance_m;
   SunDirection sun;
   double altitude_m = 980.0;
-  fixtures::SceneCameraOptions mounting{};
+  fixtures::PinholeSpec mounting{};
 };
 
 // Place and time; the first is the one behind all figures of docs/photographs.md.
@@ -35,12 +35,12 @@ struct Place {
 // The land as the camera sees it, independent of the air; the slowest part.
 struct Land {
   Place place;
-  fixtures::SceneCameraOptions options;
-  fixtures::SceneCamera camera;
+  fixtures::PinholeSpec options;
+  fixtures::PinholeCamera camera;
   fixtures::SceneGeometry geometry;
 };
 inline Land land_at(const Place& place) {
-  fixtures::SceneCameraOptions options;
+  fixtures::PinholeSpec options;
   options.width = place.width;
   options.height = place.height;
   options.field_of_view_deg = place.field_of_view_deg;

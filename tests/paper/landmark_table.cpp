@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "estimator/landmarks/daylight.hpp"
-#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/lab/photographs/visibility_series.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 
 namespace kasumi {
@@ -62,7 +62,7 @@ Result<LandmarkTable> landmark_table(const std::filesystem::path& folder, const 
             [](const auto& one, const auto& other) { return one.measured_m < other.measured_m; });
   std::vector<std::filesystem::path> pictures;
   for (const auto& row : table.rows) pictures.push_back(folder / row.frame);
-  const auto scenes = read_scene_visibilities(pictures, landmarks);
+  const auto scenes = read_visibilities(pictures, landmarks);
   if (!scenes) return fail(scenes.error());
   std::vector<double> ours, measured, best;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {

@@ -110,7 +110,7 @@ Judged by_one_image(Method method, const Experiment& given, const Image<glm::vec
   return std::move(best).found();
 }
 
-PictureAir air_of(const Scene& scene, double turbidity) {
+RetargetAir air_of(const Scene& scene, double turbidity) {
   const Airlight airlight(measure_horizon(scene.camera, view_of(scene.picture)), Turbidity{turbidity}, scene.sun,
                           scene.camera.light_to_xyz());
   return {Turbidity{turbidity}, light_from_infinity(scene.camera, airlight)};
@@ -146,8 +146,8 @@ std::vector<Judged> judge_methods(const Experiment& given, double most_thickness
   const auto spectral = attenuation_nodes(spectral_measure(given.camera));
   const auto values = values_of(given.picture);
   const auto light = light_of(given.camera, values);
-  const auto by_distance = [&](const RetargetOptions& options, const AttenuationNodes& nodes,
-                               const PictureParts& parts = {}) {
+  const auto by_distance = [&](const RetargetLimits& options, const AttenuationNodes& nodes,
+                               const RetargetHints& parts = {}) {
     return pixels_of(
         encoded(given.camera, retarget(light, given.depth, given.source, given.target, nodes, options, parts).light));
   };
@@ -158,7 +158,7 @@ std::vector<Judged> judge_methods(const Experiment& given, double most_thickness
       continue;
     }
     Best best(method, given.truth);
-    RetargetOptions options;
+    RetargetLimits options;
     if (method == Method::ours) {
       const auto nodes = given.fog ? grey_attenuation_nodes() : spectral;
       options.relit = given.relit;

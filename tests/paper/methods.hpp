@@ -27,10 +27,10 @@ struct Judged {
 struct Experiment {
   Camera camera;
   Image<Rgb8> picture, truth;
-  PictureDepth depth;
-  PictureAir source, target;  // light from infinity of every pixel
-  Relighting relit;           // only for ours
-  bool fog = false;           // only for ours: droplets, which attenuate all colours alike
+  RetargetGeometry depth;
+  RetargetAir source, target;  // light from infinity of every pixel
+  Relighting relit;            // only for ours
+  bool fog = false;            // only for ours: droplets, which attenuate all colours alike
 };
 // Light from infinity as measured at the two pictures' horizons.
 Experiment experiment_of(const Scene& source, double source_turbidity, const Scene& target, double target_turbidity);

@@ -28,7 +28,7 @@ double grey_per_m() {
 }
 
 TEST(DepthFromHaze, IsTheDistanceInASceneWithBlackInEveryNeighbourhood) {
-  const DepthFromHazeOptions all{.kept_haze = 1.0};
+  const DepthParameters all{.kept_haze = 1.0};
   for (const double distance_m : {300.0, 1000.0, 3000.0}) {
     const double left = std::exp(-grey_per_m() * distance_m);
     const auto relative = hazy(120, 80, [&](int, int) { return left; });

@@ -82,20 +82,20 @@ AttenuationNodes grey_nodes() {
   return nodes;
 }
 
-const PictureAir kHazy{Turbidity{8.0}, {1, 1, glm::vec3{0.5F}}}, kNoAir{std::nullopt, {1, 1, glm::vec3{0.5F}}};
+const RetargetAir kHazy{Turbidity{8.0}, {1, 1, glm::vec3{0.5F}}}, kNoAir{std::nullopt, {1, 1, glm::vec3{0.5F}}};
 
 // A wall with its haze removed: its contrast grows fivefold, its noise does not.
 TEST(Retarget, DoesNotAmplifyNoise) {
   const auto nodes = grey_nodes();
   const double per_m = rayleigh_per_m(ScatteringModel::morales2017, 550.0) +
                        mie_per_m(ScatteringModel::morales2017, 550.0, Turbidity{8.0});
-  const PictureDepth depth{Image<float>(80, 80, static_cast<float>(std::log(5.0) / per_m)), {}, 0.0};
+  const RetargetGeometry depth{Image<float>(80, 80, static_cast<float>(std::log(5.0) / per_m)), {}, 0.0};
   const double sigma = 0.01, wall = 0.45;  // 0.5 + 5 (0.45 - 0.5) = 0.25 without haze
   Normal normal;
   Image<glm::vec3> light(80, 80);
   for (auto& pixel : light.elements())
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(wall + sigma * normal());
-  PictureParts parts;
+  RetargetHints parts;
   parts.clean = without_noise(light, noise_of(light));
   const auto varies = [](const Image<glm::vec3>& picture) {
     double sum = 0.0, squares = 0.0;
@@ -119,8 +119,8 @@ TEST(Retarget, DoesNotAmplifyNoise) {
 struct Stripes {
   glm::dvec3 sun{0.20, 0.17, 0.13}, sky{0.18, 0.20, 0.24};  // of the light from infinity, under the source's air
   Relighting relit{glm::dvec3{0.0}, glm::dvec3{0.8, 0.75, 0.7}, glm::dvec3{2.0, 1.9, 1.8}};
-  PictureDepth depth{Image<float>(101, 61, 1500.0F), {}, 0.0};
-  PictureAir source{Turbidity{2.0}, {1, 1, glm::vec3{0.5F, 0.55F, 0.6F}}},
+  RetargetGeometry depth{Image<float>(101, 61, 1500.0F), {}, 0.0};
+  RetargetAir source{Turbidity{2.0}, {1, 1, glm::vec3{0.5F, 0.55F, 0.6F}}},
       target{Turbidity{5.0}, {1, 1, glm::vec3{0.6F, 0.62F, 0.63F}}};
 
   Stripes() { relit.land = (0.5 * relit.sun * sun + relit.shade * sky) / (0.5 * sun + sky); }
@@ -145,10 +145,10 @@ TEST(Retarget, ReducesTheContrastOfSunAndShadeByHalfOfTheTrueChange) {
   const Stripes stripes;
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const auto light = stripes.seen(nodes, false), truth = stripes.seen(nodes, true);
-  RetargetOptions options;
+  RetargetLimits options;
   options.relit = stripes.relit;
   const auto one = retarget(light, stripes.depth, stripes.source, stripes.target, nodes, options).light;
-  PictureParts parts;
+  RetargetHints parts;
   parts.land_around = land_around(light, stripes.depth, stripes.source, nodes);
   const auto made = retarget(light, stripes.depth, stripes.source, stripes.target, nodes, options, parts).light;
   for (int x = 40; x < 60; ++x)
@@ -163,9 +163,9 @@ TEST(Retarget, TreatsLandWithoutContrastAsOneSurface) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   Stripes stripes;
   const Image<glm::vec3> light(101, 61, glm::vec3{0.3F, 0.32F, 0.35F});
-  RetargetOptions options;
+  RetargetLimits options;
   options.relit = stripes.relit;
-  PictureParts parts{light, land_around(light, stripes.depth, stripes.source, nodes)};
+  RetargetHints parts{light, land_around(light, stripes.depth, stripes.source, nodes)};
   const auto one = retarget(light, stripes.depth, stripes.source, stripes.target, nodes, options).light;
   const auto made = retarget(light, stripes.depth, stripes.source, stripes.target, nodes, options, parts).light;
   for (std::size_t i = 0; i < one.elements().size(); ++i)
@@ -180,9 +180,9 @@ TEST(Retarget, NeverExceedsSunAndShadeThemselves) {
   Image<glm::vec3> light(101, 61);
   for (auto& pixel : light.elements())
     for (int c = 0; c < 3; ++c) pixel[c] = static_cast<float>(random.unit() * random.unit());
-  RetargetOptions options;
+  RetargetLimits options;
   options.relit = stripes.relit;
-  PictureParts parts;
+  RetargetHints parts;
   parts.land_around = land_around(light, stripes.depth, kNoAir, nodes);
   const auto made = retarget(light, stripes.depth, kNoAir, kNoAir, nodes, options, parts).light;
   for (std::size_t i = 0; i < light.elements().size(); ++i)
@@ -196,9 +196,9 @@ TEST(Retarget, NeverExceedsSunAndShadeThemselves) {
 TEST(Retarget, KeepsThePictureAndItsNoiseWhenNothingChanges) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const auto light = noisy(0.01, true);
-  PictureDepth depth{Image<float>(120, 80, 2500.0F), {}, 0.0};
+  RetargetGeometry depth{Image<float>(120, 80, 2500.0F), {}, 0.0};
   for (int x = 0; x < 120; ++x) depth.distance_m.at(x, 0) = 0.0F;
-  const PictureParts parts{without_noise(light, noise_of(light)), land_around(light, depth, kHazy, nodes)};
+  const RetargetHints parts{without_noise(light, noise_of(light)), land_around(light, depth, kHazy, nodes)};
   const auto made = retarget(light, depth, kHazy, kHazy, nodes, {}, parts).light;
   for (std::size_t i = 0; i < light.elements().size(); ++i)
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(made.elements()[i][c], light.elements()[i][c], 2e-6F);
@@ -207,8 +207,8 @@ TEST(Retarget, KeepsThePictureAndItsNoiseWhenNothingChanges) {
 // A white house in front of far dark hills, both in haze: each has its own surroundings.
 TEST(LandAround, DoesNotMixNearWithFar) {
   const auto nodes = grey_nodes();
-  const PictureAir air{Turbidity{2.0}, {1, 1, glm::vec3{0.5F}}};
-  PictureDepth depth{Image<float>(120, 80, 6000.0F), {}, 0.0};
+  const RetargetAir air{Turbidity{2.0}, {1, 1, glm::vec3{0.5F}}};
+  RetargetGeometry depth{Image<float>(120, 80, 6000.0F), {}, 0.0};
   Image<glm::vec3> light(120, 80);
   const auto haze = haze_coefficients(nodes, ScatteringModel::morales2017, Turbidity{2.0});
   const double house = 0.9, hills = 0.15;

@@ -36,7 +36,7 @@ TEST(Retarget, RetargetsASurfaceAsTheSpectralReferenceDoes) {
                                  {Air{Turbidity{3.0}}, Air{Turbidity{2.0}}},
                                  {Air{Turbidity{2.4}}, Air{}}}) {
     Image<glm::vec3> light(static_cast<int>(distances_m.size()), 1);
-    PictureDepth depth{Image<float>(light.width(), 1), {}, 300.0};
+    RetargetGeometry depth{Image<float>(light.width(), 1), {}, 300.0};
     for (int x = 0; x < light.width(); ++x) {
       depth.distance_m.at(x, 0) = static_cast<float>(distances_m[static_cast<std::size_t>(x)]);
       light.at(x, 0) = seen(from, horizon_s, distances_m[static_cast<std::size_t>(x)]);
@@ -64,7 +64,7 @@ TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
   // Gains of 4, 8 (the limit), 16 and 64, and a practically infinite one.
   const std::vector<double> gains{4.0, 7.99, 16.0, 64.0, 1e200}, allowed{4.0, 7.99, 4.0, 1.0, 1.0};
   const Image<glm::vec3> light(5, 1, glm::vec3(0.49F));
-  PictureDepth depth{Image<float>(5, 1), {}, 0.0};
+  RetargetGeometry depth{Image<float>(5, 1), {}, 0.0};
   // On a level path at sea level both densities are 1.
   for (int x = 0; x < 5; ++x)
     depth.distance_m.at(x, 0) = static_cast<float>(std::log(gains[static_cast<std::size_t>(x)]) / per_m);
@@ -81,7 +81,7 @@ TEST(Retarget, MasksFaintPixelsAndLeavesFainterOnesMoreHaze) {
 TEST(Retarget, GivesFaintPixelsNoColour) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   const Image<glm::vec3> light(1, 1, glm::vec3(0.49F));
-  const PictureDepth depth{Image<float>(1, 1, 3500.0F), {}, 0.0};
+  const RetargetGeometry depth{Image<float>(1, 1, 3500.0F), {}, 0.0};
   const auto result = retarget(light, depth, {Turbidity{8.0}, one_pixel(glm::dvec3{0.5})},
                                {std::nullopt, one_pixel(glm::dvec3{0.5})}, nodes);
   ASSERT_EQ(result.restored.at(0, 0), 0);
@@ -93,18 +93,18 @@ TEST(Retarget, GivesFaintPixelsNoColour) {
 TEST(Retarget, KeepsThePictureWhenNothingChanges) {
   const auto nodes = attenuation_nodes(spectral_measure(generic_sensitivity()));
   Image<glm::vec3> light(64, 1);
-  PictureDepth depth{Image<float>(64, 1), {}, 0.0};
+  RetargetGeometry depth{Image<float>(64, 1), {}, 0.0};
   for (int x = 0; x < 64; ++x) {
     light.at(x, 0) = glm::vec3(0.01F * static_cast<float>(x), 0.3F, 0.7F);
     depth.distance_m.at(x, 0) = 400.0F * static_cast<float>(x);  // the first is sky
   }
-  const PictureAir air{Turbidity{3.0}, one_pixel({0.4, 0.45, 0.5})};
+  const RetargetAir air{Turbidity{3.0}, one_pixel({0.4, 0.45, 0.5})};
   const auto result = retarget(light, depth, air, air, nodes);
   for (int x = 0; x < 64; ++x)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(result.light.at(x, 0)[c], light.at(x, 0)[c], 1e-6F);
 }
 
-PictureAir measured_air(const Scene& scene, double turbidity) {
+RetargetAir measured_air(const Scene& scene, double turbidity) {
   const auto horizon = measure_horizon(scene.camera, view_of(scene.picture));
   EXPECT_TRUE(horizon.usable()) << horizon.reason;
   const Airlight airlight(horizon, Turbidity{turbidity}, scene.sun, scene.camera.light_to_xyz());
@@ -160,8 +160,8 @@ TEST(Retarget, RetargetsAGeneratedSceneToThePapersAirs) {
                                                    {{1.9, 2.11}, {1.9, 2.54}, {1.9, 2.94}, {1.9, 4.36}, {2.94, 1.9}})) {
     const Scene source = scene_at(land, from, 11), target = scene_at(land, to, 12);
     const auto nodes = attenuation_nodes(spectral_measure(source.camera));
-    const PictureDepth depth{source.distance_m, rise_of(source.camera), source.altitude_m};
-    RetargetOptions options;
+    const RetargetGeometry depth{source.distance_m, rise_of(source.camera), source.altitude_m};
+    RetargetLimits options;
     options.relit = relighting(source.camera, Turbidity{from}, Turbidity{to}, source.sun,
                                source.camera.direction_at({160, 90}).value(), source.altitude_m);
     const auto source_air = measured_air(source, from), target_air = measured_air(target, to);

@@ -20,7 +20,7 @@ using testing::HasSubstr;
 class EstimateCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.turbidity = 3.0;
     recipe.size = 400;
     sky = test_folder("command") / "sky.png";

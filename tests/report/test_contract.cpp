@@ -30,7 +30,7 @@ Status some_status() {
   return status;
 }
 
-report::ToldStatus told(const Status& status) {
+report::ReportedStatus told(const Status& status) {
   return report::parse_status(status_json(status)).value();
 }
 

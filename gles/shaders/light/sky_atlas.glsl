@@ -1,4 +1,4 @@
-// The surroundings without the sun's disc: eight squares side by side (sky_atlas.hpp).
+// The surroundings without the sun's disc: eight squares side by side (radiance_atlas.hpp).
 uniform sampler2D sky_atlas;
 uniform vec2 sky_unit;  // full scale of the reflections' squares; of the last square
 

@@ -40,9 +40,9 @@ class OwningReplay final : public FrameSource {
 };
 
 // The opener refers to the devices, so both are kept alive together.
-class OwningCamera final : public FrameSource {
+class OwningSource final : public FrameSource {
  public:
-  OwningCamera(std::unique_ptr<Devices> devices, std::unique_ptr<FrameSource> source)
+  OwningSource(std::unique_ptr<Devices> devices, std::unique_ptr<FrameSource> source)
       : devices_(std::move(devices)), source_(std::move(source)) {}
   std::string description() const override { return source_->description(); }
   Result<Frame> next(Instant deadline) override { return source_->next(deadline); }
@@ -64,7 +64,7 @@ Result<std::unique_ptr<FrameSource>> open_recording(std::filesystem::path folder
 }  // namespace
 
 Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, Clock& clock,
-                                   const BoardSessionOptions& options) {
+                                   const BoardSessionControl& options) {
   std::optional<BoardWindow> window;
   if (options.window) {
     auto opened = BoardWindow::open();
@@ -163,7 +163,7 @@ Result<std::unique_ptr<FrameSource>> open_configured(const std::string& config, 
   auto devices = machine_devices(clock);
   auto opening = devices->camera(camera == "sky" ? CameraRole::sky : CameraRole::scene, choice);
   auto source = reconnecting(std::move(opening), clock);
-  return std::make_unique<OwningCamera>(std::move(devices), std::move(source));
+  return std::make_unique<OwningSource>(std::move(devices), std::move(source));
 }
 
 }  // namespace kasumi

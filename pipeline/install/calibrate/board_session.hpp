@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct BoardSessionOptions {
+struct BoardSessionControl {
   bool window = false;
   Duration longest{};                             // 0: until coverage suffices
   std::function<bool()> stop{};                   // polled between frames
@@ -30,7 +30,7 @@ struct GatheredViews {
 // nothing of the others. Damaged frames are skipped, and a disconnected camera is waited for.
 // Errors: of the source and of the window; bad_input (the picture size changes).
 Result<GatheredViews> gather_views(FrameSource& source, const AnyBoard& board, Clock& clock,
-                                   const BoardSessionOptions& options);
+                                   const BoardSessionControl& options);
 
 // Where the frames come from: a recording (its folder, or that of one of its cameras), or a Video4Linux device, which
 // needs the size of its pictures. `clock` must outlive it. Errors (bad_input, device ...): as the source has them.

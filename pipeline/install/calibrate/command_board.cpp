@@ -9,12 +9,12 @@ namespace kasumi {
 
 namespace {
 
-struct SheetArguments {
+struct SheetRequest {
   BoardOptions board;
   std::string out;
 };
 
-Result<int> write_sheet(const SheetArguments& arguments) {
+Result<int> write_sheet(const SheetRequest& arguments) {
   Problems problems;
   const auto board = read_board(arguments.board, true, problems);
   const auto extension = std::filesystem::path(arguments.out).extension().string();
@@ -36,7 +36,7 @@ Result<int> write_sheet(const SheetArguments& arguments) {
 
 void add_calibrate_board(CLI::App& calibrate_command, Action& action) {
   auto* command = calibrate_command.add_subcommand("board", "A board to print for calibrate lens, to scale");
-  auto arguments = std::make_shared<SheetArguments>();
+  auto arguments = std::make_shared<SheetRequest>();
   add_board_options(*command, arguments->board);
   command->add_option("--out", arguments->out, "The page (.pdf or .svg)")->required();
   command->callback([arguments, &action] { action = [arguments] { return write_sheet(*arguments); }; });

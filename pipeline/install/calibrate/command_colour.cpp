@@ -59,7 +59,7 @@ std::vector<SpectralSensitivity> read_cameras(const std::vector<std::string>& na
 }
 
 struct ClearSkies {
-  std::vector<SkyMoment> moments;
+  std::vector<SunMoment> moments;
   PicturesRead read;
   int low_sun = 0;
 };
@@ -95,7 +95,7 @@ double worst(const std::vector<GammaError>& errors) {
 
 constexpr std::array kChannels{"red", "green", "blue"};
 
-void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found) {
+void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cameras, const FoundSensitivity& found) {
   fmt::print("{} pictures: {} of a clear sky, {} of other skies, sun too low in {}; {} damaged\n", skies.read.good,
              found.turbidities.size(), found.refused.size(), skies.low_sun, skies.read.damaged);
   fmt::print("{} patches of sky, T {:.2f} to {:.2f}\n", found.colours,
@@ -126,7 +126,7 @@ void report(const ClearSkies& skies, const std::vector<SpectralSensitivity>& cam
                100.0 * kMoreColourful, *found.of_more_colourful_sky);
 }
 
-std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& cameras, const SkySensitivity& found,
+std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& cameras, const FoundSensitivity& found,
                                     const ColourArguments& arguments) {
   std::vector<std::string> remarks;
   for (const auto& one : found.ranked)
@@ -146,7 +146,8 @@ std::vector<std::string> remarks_of(const std::vector<SpectralSensitivity>& came
 }
 
 CalibrationStep step_of(const ColourArguments& arguments, const Fixture& fixture, const ClearSkies& skies,
-                        const SkySensitivity& found, const std::vector<std::string>& remarks, const std::string& csv) {
+                        const FoundSensitivity& found, const std::vector<std::string>& remarks,
+                        const std::string& csv) {
   CalibrationStep step;
   const auto& camera = arguments.camera == "sky" ? fixture.installation.sky : fixture.installation.scene;
   step.camera = arguments.camera;

@@ -25,15 +25,15 @@ struct FocusArguments {
   std::string out;
 };
 
-struct StillScene {
+struct FocusSeries {
   std::vector<Image<Rgb8>> pictures;
   double gain = 1.0;  // largest
   PicturesRead read;
 };
 
-Result<StillScene> read_still_scene(const Fixture& fixture, const Camera& camera) {
-  StillScene scene;
-  ReadingOptions options;
+Result<FocusSeries> read_still_scene(const Fixture& fixture, const Camera& camera) {
+  FocusSeries scene;
+  FrameSelection options;
   options.most = kMostFocusPictures;
   auto read = for_each_picture(fixture, camera, options, [&](const PictureView& view, const FrameMetadata& metadata) {
     scene.pictures.push_back(to_rgb(view));

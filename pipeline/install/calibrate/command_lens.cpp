@@ -106,7 +106,7 @@ Result<FoundViews> gather_from_camera(const LensArguments& arguments, const AnyB
   if (!source) return fail(source.error());
   fmt::print("{}: show the camera the {}, near and far, tilted; Ctrl-C stops early\n", (*source)->description(),
              description_of(board));
-  BoardSessionOptions options;
+  BoardSessionControl options;
   options.window = arguments.window;
   options.longest = from_seconds(arguments.seconds);
   options.stop = stop_requested;
@@ -204,11 +204,11 @@ void print_landing(const ImportedLens& imported) {
 }
 
 Result<int> import(const LensArguments& arguments) {
-  ImportOptions options{arguments.model, {}, arguments.import_camera};
+  ImportRequest options{arguments.model, {}, arguments.import_camera};
   if (arguments.largest_angle_deg) options.largest_angle = from_degrees(*arguments.largest_angle_deg);
   const auto imported = import_lens(arguments.import_file, options);
   if (!imported) return fail(imported.error());
-  if (arguments.camera == "scene" && !std::holds_alternative<PinholeModel>(imported->lens.model))
+  if (arguments.camera == "scene" && !std::holds_alternative<PinholeParameters>(imported->lens.model))
     return fail(FaultKind::bad_input, "{}: {} {}: expected a pinhole, for the scene is drawn through one",
                 arguments.import_file, imported->program, imported->foreign_model);
   const auto now = utc_now();
@@ -252,7 +252,7 @@ Result<int> calibrate(const LensArguments& arguments) {
 
   const auto found = running ? gather_from_camera(arguments, board) : find_boards(arguments, board);
   if (!found) return fail(found.error());
-  LensCalibrationOptions options;
+  LensCalibrationRequest options;
   options.family = family_of(arguments.camera == "scene" ? "pinhole" : arguments.model);
   if (arguments.largest_angle_deg) options.largest_angle = from_degrees(*arguments.largest_angle_deg);
   const auto calibration = calibrate_lens(found->views, found->width, found->height, options);

@@ -188,7 +188,7 @@ Result<int> mask_scene(const MaskArguments& arguments) {
   Problems problems;
   const auto strokes = read_strokes(arguments.strokes, picture.width(), picture.height());
   if (!strokes) problems.add("{}", strokes.error().message);
-  SceneMaskOptions options;
+  MaskExtent options;
   options.soft_px = arguments.soft_px;
   options.box = box_of(arguments, picture.width(), picture.height(), problems);
   if (!problems.empty()) return fail(problems.fault());

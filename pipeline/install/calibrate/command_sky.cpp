@@ -4,13 +4,13 @@
 #include "calib/adopt_calibration.hpp"
 #include "calib/calibration_file.hpp"
 #include "calib/mask/image_circle.hpp"
-#include "calib/pose/sky_orientation.hpp"
+#include "calib/pose/orientation_fit.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
 #include "pipeline/install/calibrate/command_calibrate.hpp"
+#include "pipeline/install/calibrate/orientation_series.hpp"
 #include "pipeline/install/calibrate/save_calibration.hpp"
 #include "pipeline/install/calibrate/series_pictures.hpp"
-#include "pipeline/install/calibrate/sky_series.hpp"
 #include "pipeline/install/calibration_report/plots.hpp"
 #include "pipeline/site/config/fixture_file.hpp"
 
@@ -21,7 +21,7 @@ namespace {
 constexpr Radians kLowestSunForOrientation = from_degrees(5.0);  // lower, refraction is uncertain and the sun no disc
 constexpr double kCircleSigma_px = 0.5;
 
-struct SkyArguments {
+struct FisheyeArguments {
   std::vector<std::string> pictures;
   std::string fixture;  // of a recording: the only one of `pictures`
   std::optional<double> lat, lon;
@@ -41,7 +41,7 @@ struct KnownLens {
   std::optional<std::string> response;  // the recording's, unless it is a table
 };
 
-Result<KnownLens> known_lens(const SkyArguments& arguments, const Fixture& fixture) {
+Result<KnownLens> known_lens(const FisheyeArguments& arguments, const Fixture& fixture) {
   const auto root = ConfigTable::read_file(fixture.folder / "fixture.toml");
   if (!root) return fail(root.error());
   adopt_calibration(*root);
@@ -94,9 +94,9 @@ Result<SunSights> find_suns(const Fixture& fixture, const Camera& camera) {
   return suns;
 }
 
-SkyPrior prior_of(const SkyArguments& arguments, const Camera& camera, const KnownLens& known,
-                  const std::optional<ImageCircle>& circle) {
-  SkyPrior prior;
+OrientationPrior prior_of(const FisheyeArguments& arguments, const Camera& camera, const KnownLens& known,
+                          const std::optional<ImageCircle>& circle) {
+  OrientationPrior prior;
   prior.lens = known.lens;
   prior.to_world = camera.to_world;
   prior.level_sigma = from_degrees(arguments.level_sigma_deg.value_or(3.0));
@@ -125,7 +125,7 @@ std::optional<Radians> edge_of(const LensDescription& lens, const ImageCircle& c
 }
 
 std::vector<Measured> measured_of(const Fixture& fixture, const SunSights& suns, const KnownLens& known,
-                                  const SkyOrientation& found, const std::optional<ImageCircle>& circle,
+                                  const OrientationFit& found, const std::optional<ImageCircle>& circle,
                                   const std::string& now) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
   const auto from = fmt::format("the sun in {} of {} pictures of the recording {}, {} to {}", used, suns.read.good,
@@ -157,7 +157,7 @@ std::vector<Measured> measured_of(const Fixture& fixture, const SunSights& suns,
   return all;
 }
 
-void report(const SunSights& suns, const SkyOrientation& found, const std::optional<ImageCircle>& circle) {
+void report(const SunSights& suns, const OrientationFit& found, const std::optional<ImageCircle>& circle) {
   const auto used = std::count(found.used.begin(), found.used.end(), true);
   fmt::print("{} pictures: the sun in {}, not seen in {}, too low in {}; {} damaged\n", suns.read.good,
              suns.sights.size(), suns.without_sun, suns.too_low, suns.read.damaged);
@@ -181,12 +181,12 @@ void report(const SunSights& suns, const SkyOrientation& found, const std::optio
   fmt::print("a clock 4 s off turns the sky by up to 1/60 deg, which looks like an azimuth error\n");
 }
 
-Result<int> calibrate_strange(const SkyArguments& arguments) {
+Result<int> calibrate_strange(const FisheyeArguments& arguments) {
   Problems problems;
   if (!arguments.lat || !arguments.lon)
     problems.add("{}: is no recording with a site of its own: expected --lat and --lon", arguments.pictures.front());
-  SkySeries series{arguments.pictures, arguments.times, {}, {}, arguments.level_sigma_deg.value_or(5.0),
-                   arguments.serial,   arguments.out};
+  OrientationSeries series{arguments.pictures, arguments.times, {}, {}, arguments.level_sigma_deg.value_or(5.0),
+                           arguments.serial,   arguments.out};
   series.site = {"", arguments.lat.value_or(0.0), arguments.lon.value_or(0.0), arguments.altitude_m};
   if (!arguments.circle.empty()) {
     series.circle = ImageCircle{{arguments.circle[0], arguments.circle[1]}, arguments.circle[2]};
@@ -196,7 +196,7 @@ Result<int> calibrate_strange(const SkyArguments& arguments) {
   return calibrate_sky_series(series);
 }
 
-Result<int> calibrate_recording(const SkyArguments& arguments) {
+Result<int> calibrate_recording(const FisheyeArguments& arguments) {
   const auto fixture = read_fixture(arguments.fixture);
   if (!fixture) return fail(fixture.error());
   const auto known = known_lens(arguments, *fixture);
@@ -208,7 +208,7 @@ Result<int> calibrate_recording(const SkyArguments& arguments) {
   const auto seen = find_image_circle(suns->brightest);
   constexpr double kSure = 0.5;
   const auto circle = seen && seen->confidence > kSure ? std::optional(seen->circle) : std::nullopt;
-  const auto found = orient_sky(suns->sights, prior_of(arguments, camera, *known, circle));
+  const auto found = fit_orientation(suns->sights, prior_of(arguments, camera, *known, circle));
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);
   report(*suns, *found, circle);
 
@@ -230,7 +230,7 @@ Result<int> calibrate_recording(const SkyArguments& arguments) {
   return save_calibration(arguments.out, std::move(step), plot_sun_track(suns->brightest, suns->sights, *found, title));
 }
 
-Result<int> calibrate(SkyArguments arguments) {
+Result<int> calibrate(FisheyeArguments arguments) {
   std::error_code error;
   const std::filesystem::path first = arguments.pictures.front();
   if (arguments.pictures.size() > 1 || !std::filesystem::exists(first / "fixture.toml", error))
@@ -246,7 +246,7 @@ void add_calibrate_sky(CLI::App& calibrate_command, Action& action) {
       "sky",
       "The sky camera's orientation and lens from the sun's path in a recording, or all of an unknown camera from "
       "pictures with times");
-  auto arguments = std::make_shared<SkyArguments>();
+  auto arguments = std::make_shared<FisheyeArguments>();
   auto& a = *arguments;
   command
       ->add_option(

@@ -50,17 +50,17 @@ Result<Camera> calibrated_camera(const std::string& file, const Camera* recorded
   return camera;
 }
 
-struct SkyMoments {
-  std::vector<SkyMoment> moments;
+struct MomentsRead {
+  std::vector<SunMoment> moments;
   int pictures = 0;  // that were considered
   PicturesRead read;
 };
 
 // Pictures with the sun in different places.
-Result<SkyMoments> read_moments(const Fixture& fixture, const Camera& camera) {
-  SkyMoments sky;
+Result<MomentsRead> read_moments(const Fixture& fixture, const Camera& camera) {
+  MomentsRead sky;
   const auto sun_at = [&](Utc utc) { return sun_position(utc, fixture.installation.site); };
-  ReadingOptions options;
+  FrameSelection options;
   options.wanted = [&](const FrameMetadata& metadata) {
     if (sky.moments.size() >= kMaxMoments) return false;
     ++sky.pictures;
@@ -78,7 +78,7 @@ Result<SkyMoments> read_moments(const Fixture& fixture, const Camera& camera) {
   return sky;
 }
 
-std::vector<std::string> remarks_of(const SkyVignetting& found) {
+std::vector<std::string> remarks_of(const FoundVignetting& found) {
   return {fmt::format("a sky whose light differs from the model's by 3 % with the distance from the sun would change "
                       "the illumination at the rim by {:.1f} %",
                       100.0 * found.by_3_percent_about_sun),
@@ -105,7 +105,7 @@ Result<int> calibrate(const VignettingArguments& arguments) {
     return fail(FaultKind::bad_input,
                 "{}: of {} pictures, {} are damaged and none has the sun {:.0f} deg above the horizon",
                 arguments.fixture, sky->pictures, sky->read.damaged, to_degrees(kLowestSunForVignetting));
-  SkyVignettingOptions options;
+  VignettingRequest options;
   if (arguments.turbidity) options.turbidity = KnownTurbidity{*arguments.turbidity, arguments.turbidity_sigma};
   const auto found = vignetting_from_sky(*camera, sky->moments, options);
   if (!found) return fail(found.error().kind, "{}: {}", arguments.fixture, found.error().message);

@@ -20,7 +20,7 @@ struct Size {
 };
 
 // The circle most pictures show, by all of them together.
-std::optional<FoundCircle> common_circle(const std::vector<PictureCircle>& alone) {
+std::optional<FoundCircle> common_circle(const std::vector<SizedCircle>& alone) {
   const auto circles = circles_of_fixed_cameras(alone);
   std::optional<FoundCircle> best;
   double most = 0.0;
@@ -38,10 +38,10 @@ std::optional<FoundCircle> common_circle(const std::vector<PictureCircle>& alone
   return best;
 }
 
-Result<> read_pictures(const std::vector<SkyInput>& inputs, const PictureTimes& times, SeriesPictures& series) {
-  std::map<Size, std::vector<SeriesPicture>> by_size;
+Result<> read_pictures(const std::vector<EstimateInput>& inputs, const PictureTimes& times, SeriesPictures& series) {
+  std::map<Size, std::vector<SeriesFile>> by_size;
   Progress progress("reading", inputs.size());
-  for (const SkyInput& input : inputs) {
+  for (const EstimateInput& input : inputs) {
     progress.advance("");
     const auto utc = input.utc ? input.utc : picture_time(input.file, times);
     const auto photograph = read_photograph(input.file);
@@ -66,7 +66,7 @@ Result<> read_pictures(const std::vector<SkyInput>& inputs, const PictureTimes& 
     if (size != usual->first) series.of_other_size += static_cast<int>(pictures.size());
   std::tie(series.width, series.height) = std::pair(usual->first.width, usual->first.height);
   series.pictures = std::move(usual->second);
-  std::ranges::sort(series.pictures, {}, &SeriesPicture::utc);
+  std::ranges::sort(series.pictures, {}, &SeriesFile::utc);
   return {};
 }
 
@@ -83,7 +83,7 @@ void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture) {
 
 Result<SeriesPictures> read_series(const std::vector<std::string>& what, const PictureTimes& times,
                                    const std::optional<ImageCircle>& circle) {
-  EstimateArguments arguments;
+  EstimateRequest arguments;
   arguments.images = what;
   auto inputs = EstimateInputs::expand(arguments);
   if (!inputs) return fail(inputs.error());
@@ -91,8 +91,8 @@ Result<SeriesPictures> read_series(const std::vector<std::string>& what, const P
   SeriesPictures series;
   if (auto read = read_pictures(inputs->all(), times, series); !read) return fail(read.error());
 
-  std::vector<PictureCircle> circles;
-  for_each_of(series, kMostForCircle, [&](const SeriesPicture&, Photograph& photograph) {
+  std::vector<SizedCircle> circles;
+  for_each_of(series, kMostForCircle, [&](const SeriesFile&, Photograph& photograph) {
     const auto picture = to_rgb8(photograph);
     keep_brightest(series.brightest, picture);
     if (!circle) circles.push_back({series.width, series.height, find_image_circle(picture)});
@@ -111,7 +111,7 @@ Result<SeriesPictures> read_series(const std::vector<std::string>& what, const P
 }
 
 void for_each_of(const SeriesPictures& series, std::size_t most,
-                 const std::function<void(const SeriesPicture&, Photograph&)>& use) {
+                 const std::function<void(const SeriesFile&, Photograph&)>& use) {
   const std::size_t step = (series.pictures.size() + most - 1) / most;
   for (std::size_t i = 0; i < series.pictures.size(); i += step) {
     auto photograph = read_photograph(series.pictures[i].file);

@@ -17,13 +17,13 @@ namespace kasumi {
 // The brighter of both, pixel by pixel; an empty one becomes the other. Both of one size.
 void keep_brightest(Image<Rgb8>& brightest, const Image<Rgb8>& picture);
 
-struct SeriesPicture {
+struct SeriesFile {
   std::filesystem::path file;
   Utc utc{};
 };
 
 struct SeriesPictures {
-  std::vector<SeriesPicture> pictures;  // readable, with a time, of the size that most have; in order of time
+  std::vector<SeriesFile> pictures;  // readable, with a time, of the size that most have; in order of time
   int width = 0, height = 0;
   int without_time = 0, unreadable = 0, of_other_size = 0;
   Image<Rgb8> brightest;  // over all pictures: shows the rim wherever it was lit at least once
@@ -37,6 +37,6 @@ Result<SeriesPictures> read_series(const std::vector<std::string>& what, const P
 
 // Each picture with square pixels, at most so many, spread over the series.
 void for_each_of(const SeriesPictures& series, std::size_t most,
-                 const std::function<void(const SeriesPicture&, Photograph&)>& use);
+                 const std::function<void(const SeriesFile&, Photograph&)>& use);
 
 }  // namespace kasumi

@@ -22,7 +22,7 @@ cv::Scalar colour_of(std::size_t i, std::size_t count) {
 
 }  // namespace
 
-Image<Rgb8> plot_vignetting(const SkyVignetting& found, const std::string& title) {
+Image<Rgb8> plot_vignetting(const FoundVignetting& found, const std::string& title) {
   Image<Rgb8> image(2 * kPanelSide + 3 * kPanelMargin, kPanelSide + kPanelTop + kPanelMargin, Rgb8(255));
   cv::Mat all(image.height(), image.width(), CV_8UC3, image.elements().data());
   cv::Mat panel = all(cv::Rect(kPanelMargin, kPanelTop, kPanelSide, kPanelSide));

@@ -84,7 +84,7 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
 }
 
 Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight> sights,
-                           const SkyOrientation& orientation, const std::string& title) {
+                           const OrientationFit& orientation, const std::string& title) {
   Canvas canvas;
   const double scale = static_cast<double>(kPanelSide) / std::max(picture.width(), picture.height());
   for (int y = 0; y < kPanelSide; ++y)

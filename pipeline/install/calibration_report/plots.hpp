@@ -10,8 +10,8 @@
 #include "calib/lens/lens_calibration.hpp"
 #include "calib/light/response_fit.hpp"
 #include "calib/mask/scene_mask.hpp"
+#include "calib/pose/orientation_fit.hpp"
 #include "calib/pose/scene_pose.hpp"
-#include "calib/pose/sky_orientation.hpp"
 #include "estimator/sky_camera/sky_vignetting.hpp"
 
 namespace kasumi {
@@ -23,7 +23,7 @@ Image<Rgb8> plot_lens(const LensCalibration& calibration, int width, int height,
 // Left: the sun's places over the picture (green: used, red: not the sun) with residuals fifty times as long, and the
 // way that was fitted. Right: how many are how far off.
 Image<Rgb8> plot_sun_track(const Image<Rgb8>& picture, std::span<const SunSight> sights,
-                           const SkyOrientation& orientation, const std::string& title);
+                           const OrientationFit& orientation, const std::string& title);
 
 // The landmarks over the picture: a cross where each was marked, a circle where its place is seen, green when used, red
 // when left out, numbered as in the list below it; the horizon in blue. Under the list, how many are how far off.
@@ -32,7 +32,7 @@ Image<Rgb8> plot_scene(const Image<Rgb8>& picture, std::span<const LandmarkSight
 
 // Left: how the picture darkens towards the rim: what each picture shows over the sky model (dots) and the curve.
 // Right: how many samples are how far off.
-Image<Rgb8> plot_vignetting(const SkyVignetting& found, const std::string& title);
+Image<Rgb8> plot_vignetting(const FoundVignetting& found, const std::string& title);
 
 // Left: light over value, both in stops, the three channels' curves and the pixels of the stack. Right: the same
 // linear.

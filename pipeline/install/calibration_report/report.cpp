@@ -157,7 +157,7 @@ void add_lens(Rows& rows, const ConfigTable& camera, bool centre) {
     rows.value("centre, x", centre_of(lens).x, "centre_x_sigma_px", "px");
     rows.value("centre, y", centre_of(lens).y, "centre_y_sigma_px", "px");
   }
-  if (!std::holds_alternative<PinholeModel>(lens.model))
+  if (!std::holds_alternative<PinholeParameters>(lens.model))
     rows.text("used up to, off the axis", fmt::format("{:.1f} deg", to_degrees(lens.largest_angle)));
 }
 
@@ -227,8 +227,8 @@ ReportStep step_of(const std::filesystem::path& calibration, const std::string& 
   return step;
 }
 
-ReportCamera camera_of(const std::filesystem::path& calibration, const std::string& name, const ConfigTable& root) {
-  ReportCamera report{name, "", {}, {}};
+ReportSection camera_of(const std::filesystem::path& calibration, const std::string& name, const ConfigTable& root) {
+  ReportSection report{name, "", {}, {}};
   const auto camera = root.optional_table(name);
   const auto measured = camera ? camera->optional_table("measured") : std::nullopt;
   std::vector<std::string> order;

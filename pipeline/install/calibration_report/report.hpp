@@ -27,7 +27,7 @@ struct ReportStep {
   std::vector<std::uint8_t> picture;  // PNG; empty: it is not there any more
 };
 
-struct ReportCamera {
+struct ReportSection {
   std::string name, description;  // "sky"; "1032 x 778 pixels, serial FE-1"
   std::vector<ReportStep> steps;
   std::vector<RequiredStep> missing;
@@ -35,8 +35,8 @@ struct ReportCamera {
 
 struct CalibrationReport {
   std::string name, site;
-  std::vector<ReportCamera> cameras;  // sky, scene
-  std::string file;                   // the text of it all
+  std::vector<ReportSection> cameras;  // sky, scene
+  std::string file;                    // the text of it all
 };
 
 // Errors: bad_input (no calibration file, or values that cannot be read: all of them at once), io.

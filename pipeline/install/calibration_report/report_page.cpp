@@ -75,7 +75,7 @@ void add_row(PageText& page, const ReportRow& row) {
   page.add("</tr>\n");
 }
 
-void add_step(PageText& page, const ReportCamera& camera, const ReportStep& step) {
+void add_step(PageText& page, const ReportSection& camera, const ReportStep& step) {
   page.add("<h3>{}</h3>\n", html_escaped(step.title));
   if (!step.utc.empty()) page.add("<p>Measured {}.</p>\n", html_escaped(readable(step.utc)));
   if (!step.from.empty()) page.add("<p class=\"quiet\">From {}.</p>\n", html_escaped(step.from));
@@ -103,7 +103,7 @@ void add_step(PageText& page, const ReportCamera& camera, const ReportStep& step
 struct Count {
   int good = 0, usable = 0, poor = 0;
 };
-Count count_of(const ReportCamera& camera) {
+Count count_of(const ReportSection& camera) {
   Count count;
   for (const auto& step : camera.steps)
     for (const auto& row : step.rows)
@@ -112,7 +112,7 @@ Count count_of(const ReportCamera& camera) {
   return count;
 }
 
-void add_camera(PageText& page, const ReportCamera& camera, const std::string& calibration, bool first) {
+void add_camera(PageText& page, const ReportSection& camera, const std::string& calibration, bool first) {
   page.add("<h2{}>The {} camera</h2>\n", first ? " class=\"first\"" : "", html_escaped(camera.name));
   if (!camera.description.empty()) page.add("<p class=\"quiet\">{}</p>\n", html_escaped(camera.description));
   if (camera.steps.empty()) {

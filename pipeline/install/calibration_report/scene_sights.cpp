@@ -79,7 +79,7 @@ void read_horizon(const ConfigTable& table, const ConfigTable& root, SceneSights
 }
 
 // Size and lens: the file's own, or the calibration's.
-void read_camera_part(const ConfigTable& root, const CalibratedScene& calibrated, SceneSights& sights) {
+void read_camera_part(const ConfigTable& root, const KnownCalibration& calibrated, SceneSights& sights) {
   const auto scene = calibrated.lens ? root.optional_table("scene") : root.table("scene");
   sights.width = calibrated.width;
   sights.height = calibrated.height;
@@ -96,7 +96,7 @@ void read_camera_part(const ConfigTable& root, const CalibratedScene& calibrated
   } else if (!calibrated.lens) {
     const auto lens = scene->table("lens");
     sights.lens = read_lens_description(lens);
-    if (scene->has("lens") && !std::holds_alternative<PinholeModel>(sights.lens.model))
+    if (scene->has("lens") && !std::holds_alternative<PinholeParameters>(sights.lens.model))
       lens.problem("model", "\"pinhole\": the scene is drawn through a pinhole");
   }
   if (scene->has("response")) sights.response = scene->choice("response", {"srgb", "linear"});
@@ -109,8 +109,8 @@ std::string distance_text(const LandmarkSight& sight) {
   return distance_m < 1e9 ? fmt::format("{:.2f} km", 1e-3 * distance_m) : std::string();
 }
 
-Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calibration) {
-  CalibratedScene calibrated;
+Result<KnownCalibration> read_calibrated_scene(const std::filesystem::path& calibration) {
+  KnownCalibration calibrated;
   std::error_code error;
   if (!std::filesystem::exists(calibration, error)) return calibrated;
   const auto root = ConfigTable::read_file(calibration);
@@ -127,7 +127,7 @@ Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calib
         const double focal_px = focal_px_of(*calibrated.lens);
         calibrated.focal_sigma = of_lens->number("focal_sigma_px", {0.0, 1e6}, 0.002 * focal_px) / focal_px;
       }
-      if (!std::holds_alternative<PinholeModel>(calibrated.lens->model))
+      if (!std::holds_alternative<PinholeParameters>(calibrated.lens->model))
         scene->table("lens").problem("model", "\"pinhole\": the scene is drawn through a pinhole");
     }
     scene->ignore("measured");
@@ -137,7 +137,7 @@ Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calib
   return calibrated;
 }
 
-Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const CalibratedScene& calibrated) {
+Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const KnownCalibration& calibrated) {
   const auto root = ConfigTable::read_file(path);
   if (!root) return fail(root.error());
   SceneSights sights;

@@ -22,7 +22,7 @@ struct SceneSights {
 };
 
 // What the calibration file already contains, so that the sights need not repeat it.
-struct CalibratedScene {
+struct KnownCalibration {
   std::optional<Site> site;
   int width = 0;
   int height = 0;
@@ -30,12 +30,12 @@ struct CalibratedScene {
   std::optional<double> focal_sigma;  // relative; of a lens that was measured
 };
 // Empty where there is no such file yet. Errors (bad_input): it is not a calibration file.
-Result<CalibratedScene> read_calibrated_scene(const std::filesystem::path& calibration);
+Result<KnownCalibration> read_calibrated_scene(const std::filesystem::path& calibration);
 
 // "12.34 km"; of the sun nothing.
 std::string distance_text(const LandmarkSight& sight);
 
 // docs/calibration.md describes it. Errors (bad_input): every problem of it at once.
-Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const CalibratedScene& calibrated);
+Result<SceneSights> read_scene_sights(const std::filesystem::path& path, const KnownCalibration& calibrated);
 
 }  // namespace kasumi

@@ -100,7 +100,7 @@ struct View {
   const char* name;
   const Camera& camera;
   const std::optional<ViewReference>& before;
-  const std::vector<GreyPicture>& now;
+  const std::vector<GreyImage>& now;
   double least_turn_deg;            // smallest turn called drift
   Image<std::uint8_t> usable = {};  // where static things are; empty: everywhere
 };

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/statistics.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 #include "estimator/sky/sun.hpp"
 #include "estimator/sky_camera/sun_in_image.hpp"
 
@@ -22,8 +22,8 @@ constexpr Radians kLowSky = from_degrees(15.0);
 // A dome's light is judged neither near the sun, where glare moves with it, nor low, where trees are.
 constexpr Radians kNearSun = from_degrees(20.0), kLowForDome = from_degrees(20.0);
 
-GreyPicture grey_of(const Image<Rgb8>& picture) {
-  GreyPicture grey(picture.width(), picture.height());
+GreyImage grey_of(const Image<Rgb8>& picture) {
+  GreyImage grey(picture.width(), picture.height());
   std::transform(picture.elements().begin(), picture.elements().end(), grey.elements().begin(),
                  [](const Rgb8& c) { return static_cast<std::uint8_t>((2 * c.r + 5 * c.g + c.b + 4) / 8); });
   return grey;
@@ -50,15 +50,15 @@ DomeFrame dome_look(const Image<Rgb8>& picture, const Camera& camera) {
 // ln of the light per unit of the fit's gain in the sky model: F(0, sun) over the zenith luminance.
 double log_model_scale(Turbidity turbidity, const SunPosition& sun) {
   const double ratio = perez(perez_coefficients(PerezQuantity::luminance, turbidity), 1.0, sun.zenith);
-  const double zenith = SkyModel(turbidity, sun.direction).zenith_luminance();
+  const double zenith = PreethamSky(turbidity, sun.direction).zenith_luminance();
   return std::log(std::max(1e-6, ratio) / std::max(1e-3, zenith));
 }
 
 }  // namespace
 
-GreyPicture median_of(const std::vector<GreyPicture>& pictures) {
+GreyImage median_of(const std::vector<GreyImage>& pictures) {
   if (pictures.empty()) return {};
-  GreyPicture still(pictures[0].width(), pictures[0].height());
+  GreyImage still(pictures[0].width(), pictures[0].height());
   std::vector<std::uint8_t> values(pictures.size());
   for (std::size_t i = 0; i < still.elements().size(); ++i) {
     for (std::size_t k = 0; k < pictures.size(); ++k) values[k] = pictures[k].elements()[i];
@@ -76,7 +76,7 @@ int shrink_factor(const Camera& camera) {
   return std::max(1, (std::max(camera.width, camera.height) + kCheckSide_px - 1) / kCheckSide_px);
 }
 
-Image<float> light_of(const GreyPicture& picture, const Camera& camera) {
+Image<float> light_of(const GreyImage& picture, const Camera& camera) {
   std::array<float, 256> light;
   for (int i = 0; i < 256; ++i)
     light[static_cast<std::size_t>(i)] = static_cast<float>(camera.response.to_light(glm::dvec3(i / 255.0)).y);
@@ -86,7 +86,7 @@ Image<float> light_of(const GreyPicture& picture, const Camera& camera) {
   return linear;
 }
 
-ShrunkView shrunk_view(const GreyPicture& picture, const Camera& camera, Image<std::uint8_t> usable) {
+ShrunkView shrunk_view(const GreyImage& picture, const Camera& camera, Image<std::uint8_t> usable) {
   const int factor = shrink_factor(camera);
   const auto light = light_of(picture, camera);
   ShrunkView small{Image<float>(picture.width() / factor, picture.height() / factor), factor, std::move(usable)};

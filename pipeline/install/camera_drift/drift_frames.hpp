@@ -17,14 +17,14 @@ constexpr int kCheckSide_px = 480;     // longest side of the compared views
 constexpr int kDomeSide_px = 160;      // shades of a dirty dome are smooth: a third of the views' side shows them
 
 // A grey, encoded picture of the camera's own size.
-using GreyPicture = Image<std::uint8_t>;
-GreyPicture median_of(const std::vector<GreyPicture>& pictures);
+using GreyImage = Image<std::uint8_t>;
+GreyImage median_of(const std::vector<GreyImage>& pictures);
 // The median of three or more values; empty for fewer.
 std::optional<double> median_if_enough(std::vector<double> values);
 int shrink_factor(const Camera& camera);
 // Shrinks by that factor, averaging light; incomplete blocks at the right and bottom are dropped.
-ShrunkView shrunk_view(const GreyPicture& picture, const Camera& camera, Image<std::uint8_t> usable);
-Image<float> light_of(const GreyPicture& picture, const Camera& camera);
+ShrunkView shrunk_view(const GreyImage& picture, const Camera& camera, Image<std::uint8_t> usable);
+Image<float> light_of(const GreyImage& picture, const Camera& camera);
 // Where the sky camera's picture shows static things: around the obstructions in its mask, or without a mask low above
 // the horizon. One element per block of `factor` pixels.
 Image<std::uint8_t> still_part_of_sky(const Camera& sky, int factor);
@@ -45,8 +45,8 @@ class DriftFrames {
   void add_scene(const PictureView& view);
   void add_sky(const PictureView& view, const FrameMetadata& metadata, std::optional<Utc> utc);
 
-  const std::vector<GreyPicture>& scene() const { return scene_; }
-  const std::vector<GreyPicture>& sky() const { return sky_; }
+  const std::vector<GreyImage>& scene() const { return scene_; }
+  const std::vector<GreyImage>& sky() const { return sky_; }
   const std::vector<DomeFrame>& dome() const { return dome_; }
   const std::vector<SunObservation>& suns() const { return suns_; }
   const std::vector<Direction>& sun_places() const { return sun_places_; }
@@ -58,7 +58,7 @@ class DriftFrames {
   Camera scene_camera_;
   Site site_;
   SkyObserver observer_;
-  std::vector<GreyPicture> scene_, sky_;
+  std::vector<GreyImage> scene_, sky_;
   std::vector<DomeFrame> dome_;
   std::vector<SunObservation> suns_;
   std::vector<Direction> sun_places_;

@@ -30,7 +30,7 @@ void watch(CameraOpening opening, const Camera& camera, Clock& clock, Instant un
 
 Result<DriftFrames> gather_recorded(const Fixture& fixture) {
   DriftFrames frames(fixture.installation);
-  const ReadingOptions options{.most = kMostCheckFrames};
+  const FrameSelection options{.most = kMostCheckFrames};
   const auto scene = for_each_picture(fixture, fixture.installation.scene, options,
                                       [&](const PictureView& view, const FrameMetadata&) { frames.add_scene(view); });
   if (!scene) return fail(scene.error());

@@ -19,7 +19,7 @@ DomeFrame median_look(const std::vector<DomeFrame>& looks) {
   return still;
 }
 
-ViewReference reference_of(const GreyPicture& still, const Camera& camera, Image<std::uint8_t> usable_shrunk,
+ViewReference reference_of(const GreyImage& still, const Camera& camera, Image<std::uint8_t> usable_shrunk,
                            const Image<std::uint8_t>& usable) {
   auto reference = reference_of(shrunk_view(still, camera, std::move(usable_shrunk)), camera);
   reference.edges = find_edges(light_of(still, camera), usable);

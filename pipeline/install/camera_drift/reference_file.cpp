@@ -105,14 +105,14 @@ std::optional<DarkPlaces> darkest_of(const Json& json, const Image<std::uint8_t>
   return dark;
 }
 
-struct CameraKeys {
+struct ReferenceKeys {
   const char *edges, *lines, *darkest;
 };
 // The file's names for each camera's rows.
-constexpr CameraKeys kSceneKeys{"scene_edges", "scene_lines", "scene_darkest"};
-constexpr CameraKeys kSkyKeys{"sky_edges", "sky_lines", "sky_darkest"};
+constexpr ReferenceKeys kSceneKeys{"scene_edges", "scene_lines", "scene_darkest"};
+constexpr ReferenceKeys kSkyKeys{"sky_edges", "sky_lines", "sky_darkest"};
 
-std::optional<ViewReference> view_from(const Json& json, const CameraKeys& keys, const Camera& camera) {
+std::optional<ViewReference> view_from(const Json& json, const ReferenceKeys& keys, const Camera& camera) {
   for (const auto* key : {keys.edges, keys.lines, keys.darkest})
     if (!json.contains(key)) return std::nullopt;
   auto edges = edges_of(json[keys.edges]);

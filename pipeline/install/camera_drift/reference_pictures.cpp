@@ -26,7 +26,7 @@ std::optional<ShrunkView> kept_view(const std::filesystem::path& file, const Cam
       photograph->encoded.height() != camera.height / factor)
     return std::nullopt;
   const auto rgb = to_rgb8(*photograph);
-  GreyPicture grey(rgb.width(), rgb.height());
+  GreyImage grey(rgb.width(), rgb.height());
   std::transform(rgb.elements().begin(), rgb.elements().end(), grey.elements().begin(),
                  [](const Rgb8& c) { return c.g; });
   return ShrunkView{light_of(grey, camera), factor, std::move(usable)};

@@ -1,12 +1,12 @@
 #include "pipeline/kiosk/appliance/appliance.hpp"
 
-#include "pipeline/machine/camera_rest.hpp"
+#include "pipeline/machine/rest_period.hpp"
 
 namespace kasumi {
 
 namespace {
 
-CameraRest rest_of(const StartRecord& starts, const std::string& camera) {
+RestPeriod rest_of(const StartRecord& starts, const std::string& camera) {
   const double lasts_s = rest_s(starts, camera);
   if (lasts_s <= 0.0) return {};
   const int times = starts.hung_openings.at(camera);
@@ -21,8 +21,8 @@ std::unique_ptr<Devices> resting(Devices& devices, const StartRecord& starts, Cl
   return resting(devices, rest_of(starts, "scene"), rest_of(starts, "sky"), clock);
 }
 
-Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOptions status,
-                     SkyWatchOptions sky)
+Appliance::Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOutputs status,
+                     ObservationPlan sky)
     : notifier_(services.notifier, mailboxes_.proving.alive),
       scene_(content, services.devices, services.clock, mailboxes_),
       sky_(content, services.devices, services.clock, services.time, mailboxes_, std::move(sky)),

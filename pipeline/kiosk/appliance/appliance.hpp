@@ -22,7 +22,7 @@ struct ApplianceServices {
   Clock& clock;
   TimeWatch& time;
   Notifier& notifier;
-  ProvingOptions proving{};
+  ProvingRecords proving{};
   ReloadLoop::Probes probes{};  // empty: the machine's own
 };
 
@@ -50,8 +50,8 @@ class CountingNotifier final : public Notifier {
 
 class Appliance {
  public:
-  Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOptions status,
-            SkyWatchOptions sky = {});
+  Appliance(ContentPlace place, ContentPtr content, const ApplianceServices& services, StatusOutputs status,
+            ObservationPlan sky = {});
 
   SceneLoop& scene() { return scene_; }
   SkyLoop& sky() { return sky_; }

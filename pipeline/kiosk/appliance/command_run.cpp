@@ -145,7 +145,7 @@ Result<int> show(const RunArguments& arguments, const ContentPlace& place, const
     if (const auto era = era_name(**content); !era.empty()) spdlog::info("era: {}", era);
     log_sighting(**content);
     starts.doing("opening cameras and display");
-    StatusOptions status{.file = status_file(arguments.status), .stats = arguments.stats};
+    StatusOutputs status{.file = status_file(arguments.status), .stats = arguments.stats};
     if (!by_hand) status.starts = &starts;
     const auto why = run_appliance(place, *content, std::move(status), starts, kept_folder);
     if (why.empty()) return 0;

@@ -44,17 +44,17 @@ struct SkyStatus {
 };
 
 // A picture that the daily check or the landmarks requested from a camera's loop.
-struct CheckPicture {
+struct RequestedFrame {
   FrameMetadata metadata;
   Image<Rgb8> picture;
   bool time_known = false;  // metadata.utc is reliable enough for the sun's position
 };
 
 // The air as the sky camera alone measures it, for comparison.
-struct SkyAir {
+struct ObservedTurbidity {
   std::optional<Turbidity> turbidity;  // empty: unknown or too old
   double sigma = 0.0;                  // of it
-  SkyAbove above;
+  DaylightState above;
   Instant told{};
 };
 
@@ -92,7 +92,7 @@ struct SceneMailbox : Mailbox {
 struct SkyMailbox : Mailbox {
   SkyMailbox() : Mailbox("sky") {}
   std::atomic<bool> check_wants_picture = false;  // the next that comes
-  LatestSlot<SceneAirReading> scene_air;          // for the state of the air
+  LatestSlot<TrackerReading> scene_air;           // for the state of the air
 };
 
 struct RenderMailbox : Mailbox {
@@ -126,14 +126,14 @@ struct ReloadMailbox {
 
 struct CheckMailbox : Mailbox {
   CheckMailbox() : Mailbox("check") {}
-  LatestSlot<CheckPicture> scene, sky;
+  LatestSlot<RequestedFrame> scene, sky;
   std::atomic<bool> clock_trusted = false;
 };
 
 struct VisibilityMailbox : Mailbox {
   VisibilityMailbox() : Mailbox("visibility") {}
-  LatestSlot<CheckPicture> scene;
-  LatestSlot<SkyAir> sky;
+  LatestSlot<RequestedFrame> scene;
+  LatestSlot<ObservedTurbidity> sky;
 };
 
 struct TelevisionMailbox : Mailbox {

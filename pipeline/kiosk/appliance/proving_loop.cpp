@@ -23,7 +23,7 @@ constexpr Duration kStatusDeadline = 1s;     // to read a file in memory
 
 }  // namespace
 
-ProvingLoop::ProvingLoop(ContentPtr content, ProvingOptions options, ProvingPlaces places, Clock& clock,
+ProvingLoop::ProvingLoop(ContentPtr content, ProvingRecords options, ProvingPlaces places, Clock& clock,
                          Mailboxes& mailboxes)
     : content_(std::move(content)),
       options_(std::move(options)),

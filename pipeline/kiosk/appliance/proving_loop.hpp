@@ -12,7 +12,7 @@
 
 namespace kasumi {
 
-struct ProvingOptions {
+struct ProvingRecords {
   StartLog* starts = nullptr;         // null: nothing is counted
   std::filesystem::path kept_folder;  // of the content; empty: none is kept
 };
@@ -26,7 +26,7 @@ struct ProvingPlaces {
 
 class ProvingLoop {
  public:
-  ProvingLoop(ContentPtr content, ProvingOptions options, ProvingPlaces places, Clock& clock, Mailboxes& mailboxes);
+  ProvingLoop(ContentPtr content, ProvingRecords options, ProvingPlaces places, Clock& clock, Mailboxes& mailboxes);
   // Returns when to be called again. BLOCKS for as long as the disk takes to keep the content.
   Instant step();
 
@@ -43,7 +43,7 @@ class ProvingLoop {
   Probation::FailingChecks ask_doctor(Duration passed);
 
   ContentPtr content_;
-  ProvingOptions options_;
+  ProvingRecords options_;
   std::optional<std::filesystem::path> status_file_;
   Clock& clock_;
   Mailboxes& mailboxes_;

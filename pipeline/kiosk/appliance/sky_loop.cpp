@@ -22,10 +22,10 @@ constexpr Duration kFirstFrameTimeout = 2s;  // at the start, before a report wi
 constexpr Duration kMaxStoredAge = 2h;       // older air is not worth restoring
 
 // T of what the sky camera saw last: an aerosol of the exponent that is believed now.
-SkyAir by_sky_alone(const std::optional<TrackedAir>& air) {
-  SkyAir alone;
+ObservedTurbidity by_sky_alone(const std::optional<TrackedAir>& air) {
+  ObservedTurbidity alone;
   const auto trusted = [](const ObserverPart& part) {
-    return part.by == AirObserver::sky && part.age <= AirTrackerOptions{}.trusted_for;
+    return part.by == AirObserver::sky && part.age <= TrackingRules{}.trusted_for;
   };
   if (!air) return alone;
   const auto sky = std::ranges::find_if(air->observers, trusted);
@@ -41,7 +41,7 @@ SkyAir by_sky_alone(const std::optional<TrackedAir>& air) {
 }  // namespace
 
 SkyLoop::SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
-                 SkyWatchOptions options)
+                 ObservationPlan options)
     : content_(std::move(content)),
       devices_(devices),
       clock_(clock),
@@ -107,7 +107,7 @@ void SkyLoop::restore_air() {
   const auto age = clock_.utc() - state->utc;
   if (age < Duration{0} || age > kMaxStoredAge) return;
   // T of the other sky model, or of another aerosol, is another quantity.
-  if (!state->belongs_to(content_->config.installation.sky_to_fit())) return;
+  if (!state->belongs_to(content_->config.installation.model_to_fit())) return;
   if (state->air)
     watch_.remember(*state->air, clock_.now() - age);
   else
@@ -162,7 +162,7 @@ void SkyLoop::publish(SkyReport report, bool up, SunSource sun_from) {
   published_at_ = clock_.now();
   SkyStatus status{std::move(report), up, sun_from == SunSource::ephemeris,
                    watch_.to_remember(*published_at_, clock_.utc()), *published_at_};
-  SkyAir air = by_sky_alone(status.report.air);
+  ObservedTurbidity air = by_sky_alone(status.report.air);
   air.above.sky = status.report.estimate.sky;
   air.told = *published_at_;
   if (status.sun_known()) air.above.sun = status.report.sun.direction;

@@ -9,7 +9,7 @@ namespace kasumi {
 class SkyLoop {
  public:
   SkyLoop(ContentPtr content, Devices& devices, Clock& clock, TimeWatch& time, Mailboxes& mailboxes,
-          SkyWatchOptions options = {});
+          ObservationPlan options = {});
   // BLOCKS until a frame has been observed or the deadline passes; an estimate takes about a tenth of a second.
   void step(Instant deadline);
 
@@ -28,7 +28,7 @@ class SkyLoop {
   Clock& clock_;
   TimeWatch& time_;
   Mailboxes& mailboxes_;
-  SkyWatchOptions options_;
+  ObservationPlan options_;
   CameraLink camera_;
   TimeTrust trust_;
   SkyWatch watch_;

@@ -145,7 +145,7 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   json["turbidity_sigma"] =
       value && status.air->turbidity.turbidity ? OrderedJson(status.air->turbidity.sigma) : OrderedJson(nullptr);
   json["landmarks"] = status.air ? status.air->extinction().landmarks : 0;
-  const CameraChroma camera = status.air ? status.air->camera : CameraChroma{};
+  const ContrastChroma camera = status.air ? status.air->camera : ContrastChroma{};
   json["saturation"] = camera.known() ? OrderedJson(std::round(1e3 * camera.chroma) / 1e3) : OrderedJson(nullptr);
   json["saturation_sigma"] =
       camera.known() ? OrderedJson(std::round(1e3 * camera.chroma * camera.log_sigma) / 1e3) : OrderedJson(nullptr);
@@ -277,7 +277,7 @@ OrderedJson air_json(const std::optional<TrackedAir>& state) {
   json["aerosol"] = name_of(aerosol.kind);
   for (std::size_t i = 0; i < kAerosolKinds.size(); ++i)
     json["kinds"][std::string(name_of(kAerosolKinds[i]))] = state->kinds[i];
-  json["followed"] = name_of(state->air.aerosol_known() ? SiteSkyModel::dome : SiteSkyModel::preetham);
+  json["followed"] = name_of(state->air.aerosol_known() ? DaylightModel::dome : DaylightModel::preetham);
   json["papers_share"] = state->papers_share;
   json["near_ground"] = state->air.near_ground();
   json["sigma_log_near_ground"] = state->sigma_log_near_ground;

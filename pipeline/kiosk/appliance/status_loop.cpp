@@ -37,7 +37,7 @@ void log_outage(const Result<>& written, bool& failing, std::string_view what) {
 
 }  // namespace
 
-StatusLoop::StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier,
+StatusLoop::StatusLoop(ContentPtr content, StatusOutputs options, Clock& clock, Notifier& notifier,
                        Mailboxes& mailboxes)
     : content_(std::move(content)),
       options_(std::move(options)),
@@ -243,7 +243,7 @@ void StatusLoop::save_air() {
   const auto& installation = content_->config.installation;
   if (!folder || !air || installation.surroundings.air.whole() || !status_.sky.clock_trusted) return;
   TurbidityState state = turbidity_state(air->believed.turbidity(), air->sigma_turbidity, status_.utc - air->age,
-                                         installation.sky_to_fit());
+                                         installation.model_to_fit());
   state.air = status_.sky.to_remember;
   note("air", [kept = kept_, state, to = *folder] { log_outage(save(state, to), kept->air_failing, "state"); });
 }

@@ -16,7 +16,7 @@
 
 namespace kasumi {
 
-struct StatusOptions {
+struct StatusOutputs {
   std::optional<std::filesystem::path> file;         // status.json
   bool stats = false;                                // log latency and copies every minute
   Duration save_interval = std::chrono::minutes(5);  // of the air
@@ -26,7 +26,7 @@ struct StatusOptions {
 
 class StatusLoop {
  public:
-  StatusLoop(ContentPtr content, StatusOptions options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
+  StatusLoop(ContentPtr content, StatusOutputs options, Clock& clock, Notifier& notifier, Mailboxes& mailboxes);
   // BLOCKS for as long as the disk takes. Call it about once a second.
   void step();
   void keep();    // writes and saves what there is
@@ -43,7 +43,7 @@ class StatusLoop {
   void note(const std::string& what, std::function<void()> job);
 
   ContentPtr content_;
-  StatusOptions options_;
+  StatusOutputs options_;
   Clock& clock_;
   Notifier& notifier_;
   Mailboxes& mailboxes_;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "estimator/passers/passers.hpp"
 #include "pipeline/install/camera_drift/drift.hpp"
 #include "pipeline/kiosk/appliance/mailboxes.hpp"
@@ -75,8 +75,8 @@ struct CheckStatus {
 // The air as the landmarks in the scene camera's picture show it.
 struct VisibilityStatus {
   Utc at{};
-  std::optional<LandmarkAir> air;    // empty: not measured, and `reason` says why
-  std::optional<SkyComparison> sky;  // empty: no turbidity from the sky to compare with
+  std::optional<ChannelExtinctions> air;    // empty: not measured, and `reason` says why
+  std::optional<ExtinctionComparison> sky;  // empty: no turbidity from the sky to compare with
   std::string reason;
   bool finding = false;  // they have disagreed with the sky for minutes
 };

@@ -95,7 +95,7 @@ void wait_for_signals(Stop& stop, ReloadLoop& reload, Notifier& notifier, Bell& 
 
 }  // namespace
 
-std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusOptions status, StartLog& starts,
+std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusOutputs status, StartLog& starts,
                           const std::filesystem::path& kept_folder) {
   const auto signals = our_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);

@@ -12,7 +12,7 @@ namespace kasumi {
 // `starts` records the result of this start, and content that proves itself is kept in `kept_folder` (empty: nowhere)
 // or, as a generation, stays the current one. Returns why the content cannot be drawn, where that has ended it; empty:
 // it was ended on purpose.
-std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusOptions status, StartLog& starts,
+std::string run_appliance(const ContentPlace& place, ContentPtr content, StatusOutputs status, StartLog& starts,
                           const std::filesystem::path& kept_folder);
 
 }  // namespace kasumi

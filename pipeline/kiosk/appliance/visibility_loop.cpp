@@ -67,7 +67,7 @@ Instant VisibilityLoop::step() {
   return mailboxes_.scene.visibility_wants_picture ? now + kPictureWaitInterval : due_;
 }
 
-void VisibilityLoop::judge(const CheckPicture& picture) {
+void VisibilityLoop::judge(const RequestedFrame& picture) {
   const auto& installation = content_->config.installation;
   if (picture.picture.width() != installation.scene.width || picture.picture.height() != installation.scene.height)
     return;

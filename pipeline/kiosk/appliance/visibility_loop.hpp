@@ -18,7 +18,7 @@ class VisibilityLoop {
 
  private:
   void adopt_content();
-  void judge(const CheckPicture& picture);
+  void judge(const RequestedFrame& picture);
   void keep_what_was_learnt();
   void publish(VisibilityStatus status);
 
@@ -26,7 +26,7 @@ class VisibilityLoop {
   Clock& clock_;
   Mailboxes& mailboxes_;
   std::optional<SceneWatch> watch_;  // empty: a picture can say nothing
-  SkyAir sky_;
+  ObservedTurbidity sky_;
   Instant due_{};
   bool save_failing_ = false;  // already logged
   int disagreements_ = 0;      // looks in a row that disagreed with the sky

@@ -14,7 +14,7 @@
 #include "gles/model/coarser_model.hpp"
 #include "gles/model/mip_levels.hpp"
 #include "gles/model/write_gltf.hpp"
-#include "pipeline/kiosk/content/model_loss.hpp"
+#include "pipeline/kiosk/content/reduction_loss.hpp"
 #include "pipeline/kiosk/content/texture_file.hpp"
 #include "pipeline/site/config/sighting.hpp"
 
@@ -159,14 +159,14 @@ class ModelReducer {
     }
     auto context = open_headless_context();
     if (!context) return stays(fmt::format("what it would lose cannot be measured: {}", context.error().message));
-    auto original = ModelDrawings::draw(**context, installation_, models(shown_));
+    auto original = ReductionDrawings::draw(**context, installation_, models(shown_));
     if (!original) return fail(original.error());
-    std::optional<ModelLoss> least;
+    std::optional<ReductionLoss> least;
     for (const auto& coarseness : kCoarsenesses) {
       auto made = candidate(coarseness);
       if (!made) return fail(made.error());
       if (!gains(before, made->size)) continue;
-      const auto drawn = ModelDrawings::draw(**context, installation_, models(made->shown));
+      const auto drawn = ReductionDrawings::draw(**context, installation_, models(made->shown));
       if (!drawn) return fail(drawn.error());
       least = loss(*original, *drawn);
       if (least->worst_mean > most_loss_) continue;

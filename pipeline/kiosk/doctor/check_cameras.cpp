@@ -58,8 +58,8 @@ const CameraRequest* request_of(const CameraOptions& options) {
   return nullptr;
 }
 
-CameraMeasurement measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length) {
-  CameraMeasurement measurement;
+OpeningTrial measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length) {
+  OpeningTrial measurement;
   auto source = opener.open();
   if (!source) {
     measurement.problem = source.error().message;
@@ -176,7 +176,7 @@ void check_camera_usb(const MachinePlaces& places, const std::string& name, cons
   finding.values["mbit_per_s"] = *speed;
 }
 
-void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const OpeningTrial& camera,
                   Findings& findings) {
   if (!camera.opened) {
     findings.fail(name + ".open", camera.problem,

@@ -97,7 +97,7 @@ void check_writing(const std::filesystem::path& folder, Findings& findings) {
 
 }  // namespace
 
-void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings) {
+void check_clock(const ClockRules& options, const ClockState& state, Utc now, Findings& findings) {
   const auto shown = utc_text(std::chrono::floor<std::chrono::seconds>(now));
   if (now < options.earliest)
     findings.fail("clock", fmt::format("the clock shows {}, which is impossible", shown),

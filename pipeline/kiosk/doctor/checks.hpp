@@ -11,7 +11,7 @@
 namespace kasumi {
 
 // check_machine.cpp
-void check_clock(const ClockOptions& options, const ClockState& state, Utc now, Findings& findings);
+void check_clock(const ClockRules& options, const ClockState& state, Utc now, Findings& findings);
 void check_temperature(const MachinePlaces& places, Findings& findings);
 void check_throttling(const MachinePlaces& places, Findings& findings);
 void check_disk(const std::filesystem::path& folder, Findings& findings);
@@ -22,7 +22,7 @@ void check_proof(const std::filesystem::path& state, Utc now, Findings& findings
 
 // check_cameras.cpp
 const CameraRequest* request_of(const CameraOptions& options);  // null for a recording
-struct CameraMeasurement {                                      // of `lasted_s` seconds
+struct OpeningTrial {                                           // of `lasted_s` seconds
   bool opened = false;
   std::string problem;  // why it could not be opened, or why no frame came
   std::optional<double> first_frame_s;
@@ -32,12 +32,12 @@ struct CameraMeasurement {                                      // of `lasted_s`
   std::uint64_t gaps = 0;
   double lasted_s = 0.0;
 };
-CameraMeasurement measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length);
+OpeningTrial measure_camera(const SourceOpener& opener, const Camera& configured, Clock& clock, Duration length);
 void check_camera_path(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                        Findings& findings);
 void check_camera_usb(const MachinePlaces& places, const std::string& name, const CameraOptions& options,
                       Findings& findings);
-void check_camera(const std::string& name, const CameraOptions& options, const CameraMeasurement& camera,
+void check_camera(const std::string& name, const CameraOptions& options, const OpeningTrial& camera,
                   Findings& findings);
 
 // check_display.cpp

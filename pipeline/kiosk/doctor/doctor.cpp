@@ -115,7 +115,7 @@ void check_cameras(const DoctorRequest& request, const RunConfig& config, Device
     const auto& camera = role == CameraRole::sky ? config.installation.sky : config.installation.scene;
     return measure_camera(devices.camera(role, options).opener, camera, clock, request.watch);
   };
-  CameraMeasurement sky;
+  OpeningTrial sky;
   std::thread other([&] { sky = watch(CameraRole::sky, config.sky_camera); });
   const auto scene = watch(CameraRole::scene, config.scene_camera);
   other.join();
@@ -221,7 +221,7 @@ Findings examine(const DoctorRequest& request, Devices& devices, Clock& clock) {
     check_calibration("sky_camera", installation.sky, installation, clock.utc(), findings);
   }
   if (!content && running) check_running(request, RunConfig{}, *running, clock, findings);
-  check_clock(content ? (*content)->config.clock : ClockOptions{}, watch_time()->read(), clock.utc(), findings);
+  check_clock(content ? (*content)->config.clock : ClockRules{}, watch_time()->read(), clock.utc(), findings);
   check_temperature(places, findings);
   check_throttling(places, findings);
   const auto& state = content && (*content)->config.state_folder ? *(*content)->config.state_folder : places.state;

@@ -25,7 +25,7 @@ std::filesystem::path landmark_file(const std::filesystem::path& folder) {
   return folder / "landmarks.json";
 }
 
-std::string text_of(const std::optional<PictureBox>& box) {
+std::string text_of(const std::optional<LandmarkBox>& box) {
   return box ? fmt::format("{},{},{},{}", box->x, box->y, box->width, box->height) : "-";
 }
 
@@ -118,16 +118,16 @@ bool of_one_reading(const TurbidityState& a, const TurbidityState& b) {
 
 }  // namespace
 
-TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const SkyToFit& sky) {
+TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const ModelToFit& sky) {
   if (!sky.aerosol) return {turbidity, sigma, utc, sky.model};
   return {turbidity, sigma, utc, sky.model, std::string(name_of(sky.aerosol->kind)), sky.aerosol->angstrom_exponent};
 }
 
-bool TurbidityState::belongs_to(const SkyToFit& sky) const {
+bool TurbidityState::belongs_to(const ModelToFit& sky) const {
   const TurbidityState now = turbidity_state(turbidity, sigma, utc, sky);
   const bool same_given = aerosol == now.aerosol && std::abs(angstrom_exponent - now.angstrom_exponent) < 1e-6;
   // An optical depth means the same whatever model found it; T alone is another quantity.
-  const bool alone = sky.model == SiteSkyModel::preetham && !sky.every_model;
+  const bool alone = sky.model == DaylightModel::preetham && !sky.every_model;
   return same_given && (air ? !alone : sky_model == now.sky_model);
 }
 
@@ -155,11 +155,11 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
   const bool has_utc = json.is_object() && json.contains("utc") && json["utc"].is_string();
   const auto utc = has_utc ? parse_utc(json["utc"].get<std::string>()) : std::nullopt;
   // Older files do not name the model: it was always Preetham's.
-  auto model = SiteSkyModel::preetham;
+  auto model = DaylightModel::preetham;
   if (json.is_object() && json.contains("sky_model")) {
     const auto& name = json["sky_model"];
-    const auto named = name.is_string() ? site_sky_model_named(name.get<std::string>()) : std::nullopt;
-    model = named.value_or(SiteSkyModel::automatic);  // its name is always rejected below
+    const auto named = name.is_string() ? daylight_model_named(name.get<std::string>()) : std::nullopt;
+    model = named.value_or(DaylightModel::automatic);  // its name is always rejected below
   }
   TurbidityState state{{number("turbidity")}, number("sigma"), utc.value_or(Utc{}), model};
   if (json.is_object() && json.contains("aerosol") && json["aerosol"].is_string()) {
@@ -168,7 +168,7 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
   }
   const bool has_air = json.is_object() && json.contains("air");
   if (has_air) state.air = remembered_air(json["air"], state.utc);
-  const bool possible = utc && has_air == state.air.has_value() && model != SiteSkyModel::automatic &&
+  const bool possible = utc && has_air == state.air.has_value() && model != DaylightModel::automatic &&
                         state.turbidity.value > 1.0 && state.turbidity.value <= 2.0 * kHighestTurbidity.value &&
                         state.sigma >= 0.0 && std::isfinite(state.sigma);
   if (!possible)

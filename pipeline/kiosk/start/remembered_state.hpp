@@ -8,7 +8,7 @@
 #include "base/clock.hpp"
 #include "base/result.hpp"
 #include "estimator/fusion/air_tracker.hpp"
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "estimator/sky/site_sky.hpp"
 
 namespace kasumi {
@@ -17,19 +17,19 @@ namespace kasumi {
 struct TurbidityState {
   Turbidity turbidity;
   double sigma = 0.0;
-  Utc utc{};                                        // of the last estimate used
-  SiteSkyModel sky_model = SiteSkyModel::preetham;  // the model T belongs to; never automatic
+  Utc utc{};                                          // of the last estimate used
+  DaylightModel sky_model = DaylightModel::preetham;  // the model T belongs to; never automatic
   // Kind and exponent of the dome that was fitted, where they were given: T of another aerosol is another amount.
   std::string aerosol{};  // empty: not given
   double angstrom_exponent = 0.0;
   std::optional<RememberedAir> air{};  // the whole state; empty: T alone was followed, or the file is an old one
 
   // Whether the state, or T without it, is what finding the air by this sky gives.
-  bool belongs_to(const SkyToFit& sky) const;
+  bool belongs_to(const ModelToFit& sky) const;
 };
 
 // Of a T estimated by fitting `sky`.
-TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const SkyToFit& sky);
+TurbidityState turbidity_state(Turbidity turbidity, double sigma, Utc utc, const ModelToFit& sky);
 
 // folder/turbidity.json, unless it holds the state after the same reading. Error: io.
 Result<> save(const TurbidityState& state, const std::filesystem::path& folder);

@@ -17,19 +17,19 @@ constexpr std::string_view kMissing = "#f1f1f1";
 constexpr std::array<const char*, 12> kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
                                               "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
 
-std::string_view name_of_figure(SkyFigure figure) {
-  return figure == SkyFigure::aod ? "aerosol optical depth at 550 nm" : "share of the sky that is cloud";
+std::string_view name_of_figure(ArchiveFigure figure) {
+  return figure == ArchiveFigure::aod ? "aerosol optical depth at 550 nm" : "share of the sky that is cloud";
 }
 
-std::optional<double> value_of(const Cell& cell, SkyFigure figure) {
-  if (figure == SkyFigure::cloud) return cell.cloud();
+std::optional<double> value_of(const Cell& cell, ArchiveFigure figure) {
+  if (figure == ArchiveFigure::cloud) return cell.cloud();
   const auto spread = cell.aod();
   return spread ? std::optional(spread->median) : std::nullopt;
 }
 
 // The top of a scale of such values: of aerosol a few hazy days may be off it.
-double top_of(std::vector<double> values, SkyFigure figure) {
-  if (figure == SkyFigure::cloud) return 1.0;
+double top_of(std::vector<double> values, ArchiveFigure figure) {
+  if (figure == ArchiveFigure::cloud) return 1.0;
   if (values.empty()) return 0.5;
   std::ranges::sort(values);
   const double most =
@@ -38,7 +38,7 @@ double top_of(std::vector<double> values, SkyFigure figure) {
   return std::ceil(most / step - 1e-9) * step;
 }
 
-std::vector<double> daily_values(const ArchiveFigures& figures, SkyFigure figure) {
+std::vector<double> daily_values(const ArchiveFigures& figures, ArchiveFigure figure) {
   std::vector<double> values;
   for (const auto& [_, cell] : figures.days())
     if (const auto value = value_of(cell, figure)) values.push_back(*value);
@@ -46,13 +46,13 @@ std::vector<double> daily_values(const ArchiveFigures& figures, SkyFigure figure
 }
 
 // Light to dark, so that it reads on grey paper, too: sand to violet of aerosol, blue sky to grey of cloud.
-std::string colour_of(double share, SkyFigure figure) {
+std::string colour_of(double share, ArchiveFigure figure) {
   using Rgb = std::array<double, 3>;
   static constexpr std::array kAerosol{Rgb{255, 244, 214}, Rgb{246, 190, 120}, Rgb{219, 112, 92}, Rgb{150, 50, 105},
                                        Rgb{62, 18, 82}};
   static constexpr std::array kCloud{Rgb{226, 240, 252}, Rgb{160, 200, 232}, Rgb{118, 150, 182}, Rgb{84, 100, 122},
                                      Rgb{40, 46, 58}};
-  const auto& scale = figure == SkyFigure::aod ? kAerosol : kCloud;
+  const auto& scale = figure == ArchiveFigure::aod ? kAerosol : kCloud;
   const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
   const auto below = std::min(scale.size() - 2, static_cast<std::size_t>(at));
   const double part = at - static_cast<double>(below);
@@ -62,7 +62,7 @@ std::string colour_of(double share, SkyFigure figure) {
   return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
 }
 
-void add_scale(PageText& svg, double x, double y, double top, SkyFigure figure) {
+void add_scale(PageText& svg, double x, double y, double top, ArchiveFigure figure) {
   constexpr int kSteps = 30;
   constexpr double kStep = 5.0;
   add_text(svg, x - 6, y + 11, "end", "0");
@@ -70,7 +70,7 @@ void add_scale(PageText& svg, double x, double y, double top, SkyFigure figure) 
     svg.add("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{}\" height=\"14\" fill=\"{}\"/>\n", x + kStep * i, y, kStep + 0.5,
             colour_of((i + 0.5) / kSteps, figure));
   add_text(svg, x + kStep * kSteps + 6, y + 11, "start",
-           figure == SkyFigure::aod ? fmt::format("{:g} or more", top) : fmt::format("{:g}", top));
+           figure == ArchiveFigure::aod ? fmt::format("{:g} or more", top) : fmt::format("{:g}", top));
   svg.add("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"14\" height=\"14\" fill=\"{}\" stroke=\"{}\"/>\n", x + 270, y,
           kMissing, kPlotPale);
   add_text(svg, x + 290, y + 11, "start", "not known");
@@ -127,7 +127,7 @@ class Dates {
 
 }  // namespace
 
-std::string plot_by_day(const ArchiveFigures& figures, SkyFigure figure) {
+std::string plot_by_day(const ArchiveFigures& figures, ArchiveFigure figure) {
   constexpr double kWidth = 960, kHeight = 250, kLeft = 46, kRight = 950, kTop = 14, kBottom = 222;
   PageText svg;
   open_svg(svg, kWidth, kHeight, fmt::format("By day: {}", name_of_figure(figure)));
@@ -143,7 +143,7 @@ std::string plot_by_day(const ArchiveFigures& figures, SkyFigure figure) {
   const double wide = std::clamp(0.8 * dates.pitch(), 0.6, 12.0);
   for (const auto& [day, cell] : all) {
     const double x = dates.x(day);
-    if (figure == SkyFigure::cloud) {
+    if (figure == ArchiveFigure::cloud) {
       const auto share = cell.cloud();
       if (share)
         add_square(svg, x - 0.5 * wide, y(*share), wide, kBottom - y(*share), colour_of(0.45, figure),
@@ -162,7 +162,7 @@ std::string plot_by_day(const ArchiveFigures& figures, SkyFigure figure) {
   return std::move(svg).text();
 }
 
-std::string plot_calendar(const ArchiveFigures& figures, SkyFigure figure) {
+std::string plot_calendar(const ArchiveFigures& figures, ArchiveFigure figure) {
   constexpr double kSide = 16, kPitch = 17, kLeft = 46, kBlock = 7 * kPitch + 26;
   const auto& all = figures.days();
   const int first = static_cast<int>(year_month_day(all.begin()->first).year());
@@ -194,7 +194,7 @@ std::string plot_calendar(const ArchiveFigures& figures, SkyFigure figure) {
   return std::move(svg).text();
 }
 
-std::string plot_by_hour_and_month(const ArchiveFigures& figures, SkyFigure figure) {
+std::string plot_by_hour_and_month(const ArchiveFigures& figures, ArchiveFigure figure) {
   constexpr double kWide = 36, kHigh = 20, kLeft = 46, kTop = 20, kHeight = kTop + 12 * kHigh + 32;
   std::vector<double> values;
   for (std::size_t month = 0; month < 12; ++month)
@@ -212,7 +212,7 @@ std::string plot_by_hour_and_month(const ArchiveFigures& figures, SkyFigure figu
       const auto& cell = figures.at(month, hour);
       if (cell.pictures() == 0) continue;
       const auto value = value_of(cell, figure);
-      const auto count = figure == SkyFigure::aod ? cell.aods() : cell.clouds();
+      const auto count = figure == ArchiveFigure::aod ? cell.aods() : cell.clouds();
       add_square(svg, kLeft + kWide * static_cast<double>(hour), y, kWide - 1, kHigh - 1,
                  value ? colour_of(*value / top, figure) : std::string(kMissing),
                  value ? fmt::format("{} {:02}:00: {:.3f}, {} pictures", kMonths[month], hour, *value, count)
@@ -239,7 +239,8 @@ std::string plot_suns(const ArchiveFigures& figures) {
     add_text(svg, kLeft - 8, y + kHigh + 4, "end", fmt::format("{}\u00b0", 10 * height));
     for (std::size_t azimuth = 0; azimuth < 24; ++azimuth) {
       const auto count = figures.suns(height, azimuth);
-      const auto colour = colour_of(std::sqrt(static_cast<double>(count) / static_cast<double>(most)), SkyFigure::aod);
+      const auto colour =
+          colour_of(std::sqrt(static_cast<double>(count) / static_cast<double>(most)), ArchiveFigure::aod);
       add_square(svg, kLeft + kWide * static_cast<double>(azimuth), y, kWide - 1, kHigh - 1,
                  count > 0 ? colour : std::string(kMissing),
                  fmt::format("azimuth {} to {}, height {} to {} degrees: {} pictures", 15 * azimuth, 15 * azimuth + 15,

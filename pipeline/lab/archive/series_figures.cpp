@@ -31,32 +31,33 @@ std::optional<double> middle_of(std::vector<float> values) {
 
 }  // namespace
 
-std::string_view name_of(SkyFate fate) {
+std::string_view name_of(EstimateFate fate) {
   switch (fate) {
-    case SkyFate::air_known: return "air known";
-    case SkyFate::cloudy: return "cloudy";
-    case SkyFate::sun_too_low: return "sun too low";
-    case SkyFate::night: return "night";
-    case SkyFate::other: return "refused for other reasons";
+    case EstimateFate::air_known: return "air known";
+    case EstimateFate::cloudy: return "cloudy";
+    case EstimateFate::sun_too_low: return "sun too low";
+    case EstimateFate::night: return "night";
+    case EstimateFate::other: return "refused for other reasons";
   }
   return "";
 }
 
-SkyFate fate_of(const nlohmann::json& record) {
+EstimateFate fate_of(const nlohmann::json& record) {
   const auto verdict = words_at(record, "verdict"), sky = words_at(record, "sky");
-  if (verdict == "night" || figure_at(record, "/sun_zenith_deg").value_or(0.0) > kHorizon_deg) return SkyFate::night;
-  if (words_at(record, "refused").empty()) return SkyFate::air_known;
-  if (verdict == "sun too low") return SkyFate::sun_too_low;
-  return verdict == "overcast" || sky == "overcast" || sky == "broken" ? SkyFate::cloudy : SkyFate::other;
+  if (verdict == "night" || figure_at(record, "/sun_zenith_deg").value_or(0.0) > kHorizon_deg)
+    return EstimateFate::night;
+  if (words_at(record, "refused").empty()) return EstimateFate::air_known;
+  if (verdict == "sun too low") return EstimateFate::sun_too_low;
+  return verdict == "overcast" || sky == "overcast" || sky == "broken" ? EstimateFate::cloudy : EstimateFate::other;
 }
 
-std::size_t MonthOfSky::pictures() const {
+std::size_t MonthlyTally::pictures() const {
   return std::accumulate(fates_.begin(), fates_.end(), std::size_t{0});
 }
-std::optional<double> MonthOfSky::sun_off_deg() const {
+std::optional<double> MonthlyTally::sun_off_deg() const {
   return middle_of(suns_off_deg_);
 }
-std::optional<double> MonthOfSky::radius_px() const {
+std::optional<double> MonthlyTally::radius_px() const {
   return middle_of(radii_px_);
 }
 
@@ -66,7 +67,7 @@ void SeriesFigures::add(const nlohmann::json& record) {
   auto& month = months_[month_of(std::chrono::floor<std::chrono::days>(*utc + ahead_))];
   const auto fate = fate_of(record);
   month.add(fate);
-  if (fate == SkyFate::night) return;
+  if (fate == EstimateFate::night) return;
   if (const auto off = figure_at(record, "/sun_seen/disagreement_deg")) month.add_sun_off_deg(*off);
   if (const auto radius = figure_at(record, "/circle/2")) month.add_radius_px(*radius);
 }

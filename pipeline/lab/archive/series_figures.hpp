@@ -17,18 +17,18 @@
 namespace kasumi {
 
 // What became of a picture.
-enum class SkyFate { air_known, cloudy, sun_too_low, night, other };
+enum class EstimateFate { air_known, cloudy, sun_too_low, night, other };
 constexpr std::size_t kSkyFates = 5;
-std::string_view name_of(SkyFate fate);
-SkyFate fate_of(const nlohmann::json& record);
+std::string_view name_of(EstimateFate fate);
+EstimateFate fate_of(const nlohmann::json& record);
 
-class MonthOfSky {
+class MonthlyTally {
  public:
-  void add(SkyFate fate) { ++fates_[static_cast<std::size_t>(fate)]; }
+  void add(EstimateFate fate) { ++fates_[static_cast<std::size_t>(fate)]; }
   // Where the sun was seen, from where time, place and camera put it; and the radius of the image circle.
   void add_sun_off_deg(double value) { suns_off_deg_.push_back(static_cast<float>(value)); }
   void add_radius_px(double value) { radii_px_.push_back(static_cast<float>(value)); }
-  std::size_t count(SkyFate fate) const { return fates_[static_cast<std::size_t>(fate)]; }
+  std::size_t count(EstimateFate fate) const { return fates_[static_cast<std::size_t>(fate)]; }
   std::size_t pictures() const;
   std::optional<double> sun_off_deg() const;  // median
   std::optional<double> radius_px() const;
@@ -42,11 +42,11 @@ class SeriesFigures {
  public:
   explicit SeriesFigures(std::chrono::minutes ahead) : ahead_(ahead) {}
   void add(const nlohmann::json& record);
-  const std::map<int, MonthOfSky>& months() const { return months_; }  // by year * 12 + month from 0
+  const std::map<int, MonthlyTally>& months() const { return months_; }  // by year * 12 + month from 0
 
  private:
   std::chrono::minutes ahead_;
-  std::map<int, MonthOfSky> months_;
+  std::map<int, MonthlyTally> months_;
 };
 
 int month_of(std::chrono::sys_days day);  // year * 12 + month from 0

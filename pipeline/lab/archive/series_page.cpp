@@ -53,9 +53,9 @@ void add_photometer(PageText& page, const PhotometerComparison& comparison) {
 
 void add_drift(PageText& page, const SeriesFigures& series) {
   const auto suns = plot_drift(series, "degrees between the sun seen and where time, place and camera put it",
-                               [](const MonthOfSky& month) { return month.sun_off_deg(); });
+                               [](const MonthlyTally& month) { return month.sun_off_deg(); });
   const auto radii = plot_drift(series, "radius of the image circle in pixels",
-                                [](const MonthOfSky& month) { return month.radius_px(); });
+                                [](const MonthlyTally& month) { return month.radius_px(); });
   if (suns.empty() && radii.empty()) return;
   page.add(
       "<h2>The camera's drift</h2>\n<p class=\"quiet\">Medians of each month. A step is a camera that was moved or "

@@ -70,14 +70,14 @@ std::string plot_trend(const std::vector<MonthlyValue>& values, const Trend& tre
 
 std::string plot_fates(const SeriesFigures& series) {
   struct Kind {
-    SkyFate fate;
+    EstimateFate fate;
     std::string_view colour;
   };
-  constexpr std::array<Kind, kSkyFates> kKinds{{{SkyFate::air_known, "#d98a3d"},
-                                                {SkyFate::cloudy, "#8fb0cf"},
-                                                {SkyFate::sun_too_low, "#e9d9a8"},
-                                                {SkyFate::other, "#a3a3a3"},
-                                                {SkyFate::night, "#2b3a55"}}};
+  constexpr std::array<Kind, kSkyFates> kKinds{{{EstimateFate::air_known, "#d98a3d"},
+                                                {EstimateFate::cloudy, "#8fb0cf"},
+                                                {EstimateFate::sun_too_low, "#e9d9a8"},
+                                                {EstimateFate::other, "#a3a3a3"},
+                                                {EstimateFate::night, "#2b3a55"}}};
   const auto& months = series.months();
   PageText svg;
   open_svg(svg, 960, kFrameHeight + 24, "By month: what became of the pictures");
@@ -106,7 +106,7 @@ std::string plot_fates(const SeriesFigures& series) {
 }
 
 std::string plot_drift(const SeriesFigures& series, const std::string& title,
-                       const std::function<std::optional<double>(const MonthOfSky&)>& value) {
+                       const std::function<std::optional<double>(const MonthlyTally&)>& value) {
   std::vector<MonthlyValue> values;
   for (const auto& [number, month] : series.months())
     if (const auto known = value(month)) values.push_back({number, *known});

@@ -17,7 +17,7 @@ std::string plot_trend(const std::vector<MonthlyValue>& values, const Trend& tre
 std::string plot_fates(const SeriesFigures& series);
 // A median of each month that has one; empty: fewer than two have.
 std::string plot_drift(const SeriesFigures& series, const std::string& title,
-                       const std::function<std::optional<double>(const MonthOfSky&)>& value);
+                       const std::function<std::optional<double>(const MonthlyTally&)>& value);
 // Bland and Altman's: difference over mean of both, their bias and 95 % limits.
 std::string plot_agreement(const PhotometerComparison& comparison);
 

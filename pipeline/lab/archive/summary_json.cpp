@@ -32,11 +32,11 @@ Json json_of_months(const SeriesFigures& series) {
     Json each;
     each["month"] = fmt::format("{:04}-{:02}", number / 12, number % 12 + 1);
     each["pictures"] = month.pictures();
-    each["air_known"] = month.count(SkyFate::air_known);
-    each["cloudy"] = month.count(SkyFate::cloudy);
-    each["sun_too_low"] = month.count(SkyFate::sun_too_low);
-    each["night"] = month.count(SkyFate::night);
-    each["other"] = month.count(SkyFate::other);
+    each["air_known"] = month.count(EstimateFate::air_known);
+    each["cloudy"] = month.count(EstimateFate::cloudy);
+    each["sun_too_low"] = month.count(EstimateFate::sun_too_low);
+    each["night"] = month.count(EstimateFate::night);
+    each["other"] = month.count(EstimateFate::other);
     each["sun_off_deg"] = nullptr;
     if (const auto off = month.sun_off_deg()) each["sun_off_deg"] = in_parts_of_a_million(*off);
     each["circle_radius_px"] = nullptr;

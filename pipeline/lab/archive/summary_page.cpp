@@ -70,14 +70,14 @@ void add_over_time(PageText& page, const ArchiveFigures& figures) {
       "of "
       "them lie between. Days without a clear part of the sky have none; so a mean over days is one over clear "
       "days.</p>\n{}<h3>By date</h3>\n{}<h3>By hour and month</h3>\n{}",
-      plot_by_day(figures, SkyFigure::aod), plot_calendar(figures, SkyFigure::aod),
-      plot_by_hour_and_month(figures, SkyFigure::aod));
+      plot_by_day(figures, ArchiveFigure::aod), plot_calendar(figures, ArchiveFigure::aod),
+      plot_by_hour_and_month(figures, ArchiveFigure::aod));
   page.add(
       "<h2>Cloud cover</h2>\n<p class=\"quiet\">By day: the mean share of the sky that is cloud, over the pictures "
       "that "
       "show it; nights are left out.</p>\n{}<h3>By date</h3>\n{}<h3>By hour and month</h3>\n{}",
-      plot_by_day(figures, SkyFigure::cloud), plot_calendar(figures, SkyFigure::cloud),
-      plot_by_hour_and_month(figures, SkyFigure::cloud));
+      plot_by_day(figures, ArchiveFigure::cloud), plot_calendar(figures, ArchiveFigure::cloud),
+      plot_by_hour_and_month(figures, ArchiveFigure::cloud));
 }
 
 }  // namespace

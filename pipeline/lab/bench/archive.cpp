@@ -33,20 +33,20 @@ Image<Rgb8> under(BenchWeather weather, Image<Rgb8> sky) {
   return sky;
 }
 
-struct ArchivePicture {
+struct BenchFile {
   std::filesystem::path file;
   std::vector<std::uint8_t> bytes;
-  SkyPhotographOptions options;
+  PhotographSetup options;
 };
 
-Result<ArchivePicture> archive_picture(const std::filesystem::path& folder, int side, BenchWeather weather) {
+Result<BenchFile> archive_picture(const std::filesystem::path& folder, int side, BenchWeather weather) {
   constexpr int kQuality = 90;
   const SunDirection sun = direction_from(from_degrees(58.4), from_degrees(180.0));
   Camera camera;
   const auto sky = under(weather, drawn_sky(side, camera, sun));
   auto bytes = encode_jpeg(sky, kQuality, ChromaSubsampling::s420);
   if (!bytes) return fail(bytes.error());
-  ArchivePicture picture{folder / "sky.jpg", std::move(*bytes), {}};
+  BenchFile picture{folder / "sky.jpg", std::move(*bytes), {}};
   picture.options.calibrated = camera;
   picture.options.sun = weather == BenchWeather::night ? direction_from(from_degrees(110.0), from_degrees(0.0)) : sun;
   picture.options.estimate.sky.every_model = true;
@@ -54,14 +54,14 @@ Result<ArchivePicture> archive_picture(const std::filesystem::path& folder, int 
   return picture;
 }
 
-void decode(const ArchivePicture& picture) {
+void decode(const BenchFile& picture) {
   if (const auto header = picture_header(picture.bytes)) (void)decode_picture_file(*header, picture.bytes);
 }
 
 // Medians of processor seconds of both, in turn.
-std::pair<double, double> seconds_beside_decoding(const ArchivePicture& picture, int pairs) {
+std::pair<double, double> seconds_beside_decoding(const BenchFile& picture, int pairs) {
   constexpr int kDecodings = 5;
-  SkyPhotographs photographs(picture.options);
+  PhotographEstimator photographs(picture.options);
   const auto answer = [&] { (void)photographs.estimate_from(picture.file, std::nullopt); };
   answer();
   std::vector<double> whole, alone;
@@ -76,10 +76,10 @@ std::pair<double, double> seconds_beside_decoding(const ArchivePicture& picture,
 }
 
 // How many times one worker's rate two have, by the processor time of each: what they take from each other.
-double gain_of_two(const ArchivePicture& picture) {
+double gain_of_two(const BenchFile& picture) {
   constexpr int kPictures = 10, kRounds = 5;
   const auto work = [&] {
-    SkyPhotographs photographs(picture.options);
+    PhotographEstimator photographs(picture.options);
     for (int i = 0; i < kPictures; ++i) (void)photographs.estimate_from(picture.file, std::nullopt);
   };
   std::vector<double> gains;

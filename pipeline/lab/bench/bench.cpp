@@ -15,7 +15,7 @@
 #include "calib/light/radiometry.hpp"
 #include "estimator/air/attenuation.hpp"
 #include "estimator/papers/reference_pixel.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 #include "estimator/turbidity/solver.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/lab/bench/drawn_sky.hpp"
@@ -25,11 +25,11 @@ namespace kasumi {
 namespace {
 
 // Samples of the model's own sky with an 8-bit camera's noise, 30 % of them cloud. Used for speed only.
-std::vector<SkySample> bench_samples(int count, Turbidity turbidity) {
+std::vector<LuminanceSample> bench_samples(int count, Turbidity turbidity) {
   const SunDirection sun = direction_from(from_degrees(58.4), from_degrees(180.0));
-  const SkyModel model(turbidity, sun);
+  const PreethamSky model(turbidity, sun);
   std::mt19937_64 random(7);
-  std::vector<SkySample> samples;
+  std::vector<LuminanceSample> samples;
   while (static_cast<int>(samples.size()) < count) {
     const Direction view =
         direction_from(Radians{std::acos(0.18 + 0.82 * uniform(random))}, Radians{2.0 * kPi * uniform(random)});
@@ -95,9 +95,9 @@ std::vector<BenchRow> bench_sky_answer() {
   Camera camera;
   const Image<Rgb8> pixels = drawn_sky(480, camera, sun);
   SkyObserver observer(camera);
-  EstimateOptions every, papers;
+  EstimateParameters every, papers;
   every.sky.every_model = true;
-  const auto answer = [&](const EstimateOptions& options) {
+  const auto answer = [&](const EstimateParameters& options) {
     if (const auto picture = sky_picture(view_of(pixels), camera)) (void)observer.observe(*picture, sun, options);
   };
   const auto by_every_model = [&] { answer(every); };

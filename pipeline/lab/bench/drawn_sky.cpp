@@ -13,7 +13,7 @@ Image<Rgb8> drawn_sky(int side, Camera& camera, const SunDirection& sun) {
   const double half = from_degrees(92.0).value, middle = 0.5 * (side - 1);
   camera.lens = equidistant_lens({middle, middle}, 0.5 * side / half, {half});
   camera.to_world = camera_to_world(from_degrees(180.0), from_degrees(90.0), {0.0});
-  const SkyModel model({3.0}, sun);
+  const PreethamSky model({3.0}, sun);
   const glm::dmat3 to_light = glm::inverse(camera.light_to_xyz());
   Image<Rgb8> pixels(side, side);
   for (int y = 0; y < side; ++y)

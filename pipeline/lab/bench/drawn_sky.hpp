@@ -4,7 +4,7 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "calib/camera.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 
 namespace kasumi {
 

@@ -10,23 +10,23 @@
 #include "pipeline/lab/bench/gles_passes.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
-#include "pipeline/lab/sky/sky_drawing.hpp"
+#include "pipeline/lab/sky/dome_drawing.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr std::array kKinds{SkyKind::dome, SkyKind::preetham1999, SkyKind::hoffman_preetham2002, SkyKind::nielsen2003};
 
-SkyCamera bench_camera(const DomeBenchSize& size) {
-  SkyCamera camera;
+Viewpoint bench_camera(const DomeBenchSize& size) {
+  Viewpoint camera;
   camera.width = size.width;
   camera.height = size.height;
   camera.pitch_deg = 20.0;
   return camera;
 }
 
-SkyScene bench_sky(SkyKind kind) {
-  SkyRequest request;
+DomeScene bench_sky(SkyKind kind) {
+  DomeRequest request;
   request.kind = kind;
   request.sun = direction_from(from_degrees(55.0), from_degrees(10.0));
   return sky_scene(request);
@@ -50,7 +50,7 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
   const auto blit_pass = make_blit(picture, size);
   if (!blit_pass) return fail(blit_pass.error());
   const DrawTarget target = offscreen->target();
-  const SkyView view = view_of(bench_camera(size));
+  const PanoramaView view = view_of(bench_camera(size));
 
   std::vector<DomeRenderer> skies;
   for (const SkyKind kind : kKinds) {
@@ -63,7 +63,7 @@ Result<std::vector<BenchRow>> bench_dome(const DomeBenchSize& size) {
     return [&skies, &target, kind, detail] { return skies[kind].draw(target, detail); };
   };
   const auto blit = [&] { return blit_pass->draw(target); };
-  const SkyScene scene = bench_sky(SkyKind::dome);
+  const DomeScene scene = bench_sky(SkyKind::dome);
   const auto rebuilt = [&]() -> Result<> {
     if (auto set = skies[0].set(view, scene); !set) return set;
     return skies[0].draw(target);

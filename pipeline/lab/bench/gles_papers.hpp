@@ -10,7 +10,7 @@
 #include "gles/gpu_model/gpu_model.hpp"
 #include "gles/gpu_model/programs.hpp"
 #include "gles/gpu_model/projection.hpp"
-#include "gles/light/sky_atlas.hpp"
+#include "gles/light/radiance_atlas.hpp"
 #include "pipeline/lab/bench/gles_passes.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 
@@ -32,7 +32,7 @@ class TwoBufferLayout {
   BenchScene scene_;
   Projection projection_;
   DepthRange range_;
-  SkyAtlas sky_;
+  RadianceAtlas sky_;
   Programs programs_;
   std::vector<GpuModel> model_;  // one
   GlTexture object_colour_, object_depth_, background_colour_;

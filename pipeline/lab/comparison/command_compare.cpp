@@ -12,7 +12,7 @@
 namespace kasumi {
 namespace {
 
-struct CompareArguments {
+struct ComparisonRequest {
   std::string one, other, mask;
   bool json = false;
 };
@@ -62,7 +62,7 @@ std::string text_of(const ComparedPictures& is) {
       difference.mean, difference.at_95_percent, difference.largest, is.errors.mean_absolute, is.errors.largest);
 }
 
-std::string json_of(const ComparedPictures& is, const CompareArguments& arguments) {
+std::string json_of(const ComparedPictures& is, const ComparisonRequest& arguments) {
   const auto or_null = [](const std::optional<double>& value) {
     return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
   };
@@ -87,7 +87,7 @@ std::string json_of(const ComparedPictures& is, const CompareArguments& argument
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-Result<int> compare(const CompareArguments& arguments) {
+Result<int> compare(const ComparisonRequest& arguments) {
   const auto one = read_whole_numbers(arguments.one), other = read_whole_numbers(arguments.other);
   if (!one) return fail(one.error());
   if (!other) return fail(other.error());
@@ -115,7 +115,7 @@ Result<int> compare(const CompareArguments& arguments) {
 
 void add_compare_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("compare", "How alike two pictures of one size are");
-  auto arguments = std::make_shared<CompareArguments>();
+  auto arguments = std::make_shared<ComparisonRequest>();
   command->add_option("a", arguments->one, "A picture of 8 or 16 bits")->required();
   command->add_option("b", arguments->other, "Another, of the same size")->required();
   command->add_option("--mask", arguments->mask, "Picture of the same size: white counts, black does not");

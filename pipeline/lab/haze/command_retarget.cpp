@@ -13,7 +13,7 @@
 namespace kasumi {
 namespace {
 
-Result<int> retarget_pictures(const RetargetArguments& a) {
+Result<int> retarget_pictures(const RetargetRequest& a) {
   // OpenCV reads EXR only when this variable is set.
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   const auto source = open_pictures(a.pictures, a.allow_damaged);
@@ -45,7 +45,7 @@ Result<int> retarget_pictures(const RetargetArguments& a) {
 
 void add_retarget_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("retarget", "A photograph's scene under other air, clearer or hazier");
-  auto arguments = std::make_shared<RetargetArguments>();
+  auto arguments = std::make_shared<RetargetRequest>();
   auto& a = *arguments;
   command->add_option("picture", a.pictures, "Pictures of one camera; or one film, or a folder of its frames")
       ->required();

@@ -17,7 +17,7 @@ struct HazeOptions {
   std::string picture, sensitivity, scattering = "auto", scheme = "matched";
   DistanceOptions distances;
   double altitude_m = 0.0, field_of_view_deg = 50.0, pitch_deg = 0.0;
-  HazeRangeOptions range;
+  RangeRules range;
   std::optional<int> outline_reach_px;  // left out: a hundredth of the picture's width
   bool indoors = false, allow_damaged = false;
   bool cut_outlines = false;                                // no light crosses an outline

@@ -19,7 +19,7 @@ Result<> write_mask(const std::filesystem::path& path, const std::filesystem::pa
 
 }  // namespace
 
-Result<RetargetOutputs> RetargetOutputs::open(const RetargetArguments& a, const std::vector<std::string>& targets,
+Result<RetargetOutputs> RetargetOutputs::open(const RetargetRequest& a, const std::vector<std::string>& targets,
                                               const PictureSource& source) {
   RetargetOutputs outputs;
   outputs.out_ = a.out;

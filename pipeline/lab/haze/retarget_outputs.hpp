@@ -17,7 +17,7 @@ namespace kasumi {
 class RetargetOutputs {
  public:
   // `targets`: their names. Errors: bad_input (a folder that cannot be made, a sheet of a sequence, which would have to stay in memory).
-  static Result<RetargetOutputs> open(const RetargetArguments& arguments, const std::vector<std::string>& targets,
+  static Result<RetargetOutputs> open(const RetargetRequest& arguments, const std::vector<std::string>& targets,
                                       const PictureSource& source);
 
   void as_taken(const Photograph& photograph);

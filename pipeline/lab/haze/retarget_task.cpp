@@ -36,11 +36,11 @@ std::vector<double> one_or_sweep(const std::string& text, double least, double m
 }
 
 // Whether source and targets are aerosols rather than the papers' T alone.
-bool aerosol_known(const RetargetArguments& arguments) {
+bool aerosol_known(const RetargetRequest& arguments) {
   return arguments.aerosol.any() || !arguments.aods.empty() || arguments.source_aod;
 }
 // An aerosol of their exponent and kind.
-std::optional<Aerosol> like(const RetargetArguments& arguments) {
+std::optional<Aerosol> like(const RetargetRequest& arguments) {
   return aerosol_known(arguments) ? std::optional(arguments.aerosol.given().with(0.0)) : std::nullopt;
 }
 
@@ -59,7 +59,7 @@ void read_targets(const std::vector<std::string>& texts, double least, double mo
   }
 }
 
-void read_targets(const RetargetArguments& a, std::vector<std::optional<AirState>>& targets, Problems& problems) {
+void read_targets(const RetargetRequest& a, std::vector<std::optional<AirState>>& targets, Problems& problems) {
   if (a.turbidities.empty() == a.aods.empty())
     problems.add("expected --turbidity or --aod: one of the two describes the target air");
   read_targets(
@@ -72,11 +72,11 @@ void read_targets(const RetargetArguments& a, std::vector<std::optional<AirState
 }
 
 // The pictures' own air: given, or estimated from a picture of the sky.
-Result<AirState> source_air(const RetargetArguments& arguments, const CameraFile& camera, const std::optional<Utc>& utc,
-                            const std::optional<SunDirection>& sun) {
+Result<AirState> source_air(const RetargetRequest& arguments, const CalibrationContents& camera,
+                            const std::optional<Utc>& utc, const std::optional<SunDirection>& sun) {
   if (arguments.source_aod) return AirState(arguments.aerosol.given().with(*arguments.source_aod));
   if (arguments.source_turbidity) return air_of(Turbidity{*arguments.source_turbidity}, like(arguments));
-  SkyPhotographOptions setup;
+  PhotographSetup setup;
   setup.calibrated = camera.sky;
   setup.site = camera.site;
   setup.utc = utc;
@@ -84,10 +84,10 @@ Result<AirState> source_air(const RetargetArguments& arguments, const CameraFile
   if (!utc) setup.sun = sun;
   setup.sun_from_image = !utc && !sun;
   Problems problems;
-  setup.estimate.sky = sky_to_fit(arguments.sky_model, camera.site ? camera.site->altitude_m : arguments.altitude_m,
-                                  arguments.aerosol.given(), problems);
+  setup.estimate.sky = model_to_fit(arguments.sky_model, camera.site ? camera.site->altitude_m : arguments.altitude_m,
+                                    arguments.aerosol.given(), problems);
   if (!problems.empty()) return fail(problems.fault());
-  const auto report = SkyPhotographs(std::move(setup)).estimate_from(arguments.sky, utc);
+  const auto report = PhotographEstimator(std::move(setup)).estimate_from(arguments.sky, utc);
   if (!report) return fail(report.error());
   if (!report->damage.empty()) spdlog::warn("{}: {}; what is left of it is used", arguments.sky, report->damage);
   const auto& estimate = report->look.estimate;
@@ -108,7 +108,7 @@ std::optional<glm::dvec3> light_of(const std::vector<double>& values) {
 }
 
 // Reads the distances; exactly one of the options for them must be given.
-void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& problems) {
+void read_depth(const RetargetRequest& a, SourceConditions& setup, Problems& problems) {
   const int ways = a.distances.ways() + (a.planes.empty() ? 0 : 1) + (a.distance_m ? 1 : 0) + (a.from_haze ? 1 : 0);
   if (ways != 1)
     return problems.add(
@@ -129,13 +129,13 @@ void read_depth(const RetargetArguments& a, OtherAirOptions& setup, Problems& pr
 }
 
 // Whether the haze's exponent was not given. A T with a sun asks for the papers' sky, to which their haze belongs.
-bool may_ask_the_picture(const RetargetArguments& a, const OtherAirOptions& setup) {
+bool may_ask_the_picture(const RetargetRequest& a, const SourceConditions& setup) {
   if (a.scattering != "auto" || a.aerosol.describes_kind()) return false;
   return a.source_aod || (a.source_turbidity && !(setup.sun && a.aods.empty()));
 }
 
 // The exponent of the aerosol in air like `air`, by the first picture; empty: undetermined. Prints the result.
-std::optional<double> exponent_of(const Photograph& first, const OtherAirOptions& setup, const AirState& air) {
+std::optional<double> exponent_of(const Photograph& first, const SourceConditions& setup, const AirState& air) {
   const auto colour = haze_colour_of(setup.camera, hazy_picture(setup.camera, first));
   if (!colour.told) {
     const auto supposed = setup.from_haze       ? std::string("grey haze")
@@ -159,12 +159,12 @@ AirState with_exponent(const AirState& air, double exponent) {
 
 }  // namespace
 
-Result<RetargetTask> retarget_task(const RetargetArguments& a, const Photograph& first) {
+Result<RetargetTask> retarget_task(const RetargetRequest& a, const Photograph& first) {
   RetargetTask task;
   auto& setup = task.setup;
   Problems problems;
   read_targets(a, task.targets, problems);
-  CameraFile file;
+  CalibrationContents file;
   if (!a.camera.empty()) {
     auto read = read_camera_file(a.camera);
     if (!read)

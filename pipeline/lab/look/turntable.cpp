@@ -45,7 +45,7 @@ Image<Rgb8> changed_part(const Image<Rgb8>& picture, const Image<Rgb8>& before) 
 Installation table_for(const Model& model, UpAxis up, int side) {
   Installation table;
   table.site = {"", 34.0, 135.0, 100.0};
-  table.surroundings.sky_model = SiteSkyModel::dome;
+  table.surroundings.sky_model = DaylightModel::dome;
   Camera& camera = table.scene;
   camera.name = "scene";
   camera.width = kViewWidth;

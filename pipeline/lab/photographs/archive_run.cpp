@@ -16,7 +16,7 @@
 namespace kasumi {
 namespace {
 
-Result<> refuse_beside_out(const EstimateArguments& arguments) {
+Result<> refuse_beside_out(const EstimateRequest& arguments) {
   Problems problems;
   if (arguments.csv) problems.add("--csv: --out writes records, expected --merge PARTS --out FILE.csv afterwards");
   if (arguments.response_from_pictures())
@@ -26,11 +26,11 @@ Result<> refuse_beside_out(const EstimateArguments& arguments) {
 }
 
 // What the answers depend on beside the picture: options, and the files that they name.
-Result<std::string> options_fingerprint(const EstimateArguments& arguments) {
+Result<std::string> options_fingerprint(const EstimateRequest& arguments) {
   Fingerprint fingerprint;
   fingerprint.add(arguments.given_words);
   std::vector<std::string> files{arguments.calibration, arguments.camera_memory};
-  if (const auto periods = CameraPeriods::read(arguments.cameras))
+  if (const auto periods = CalibrationPeriods::read(arguments.cameras))
     for (std::size_t i = 0; i < periods->size(); ++i) files.push_back(periods->file(i));
   for (const auto& file : files) {
     const auto text = file.empty() ? Result<std::string>() : read_text_file(file);
@@ -42,7 +42,7 @@ Result<std::string> options_fingerprint(const EstimateArguments& arguments) {
 
 }  // namespace
 
-Result<ArchiveRun> open_archive_run(const EstimateArguments& arguments, EstimateInputs& inputs) {
+Result<ArchiveRun> open_archive_run(const EstimateRequest& arguments, EstimateInputs& inputs) {
   if (auto alone = refuse_beside_out(arguments); !alone) return fail(alone.error());
   const auto shard = shard_of(arguments.shard, [](const char* name) { return std::getenv(name); });
   if (!shard) return fail(shard.error());
@@ -59,7 +59,7 @@ Result<ArchiveRun> open_archive_run(const EstimateArguments& arguments, Estimate
   return ArchiveRun{*shard, plan, std::move(*part)};
 }
 
-Result<int> learn_camera_of_archive(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+Result<int> learn_camera_of_archive(const EstimateRequest& arguments, EstimateInputs& inputs, std::size_t threads) {
   constexpr std::size_t kMost = 960;  // half of them by night, half of the rest in clouds
   inputs.complete();
   const auto sample = inputs.sample(kMost);
@@ -74,7 +74,7 @@ Result<int> learn_camera_of_archive(const EstimateArguments& arguments, Estimate
   return 1;
 }
 
-Result<int> merge_archive(const EstimateArguments& arguments) {
+Result<int> merge_archive(const EstimateRequest& arguments) {
   if (arguments.out.empty() && arguments.summary.empty())
     return fail(FaultKind::bad_input, "--merge: expected --out FILE.jsonl, .csv or .sqlite, or --summary FILE.html");
   if (!arguments.images.empty())

@@ -18,12 +18,12 @@ struct ArchiveRun {
 
 // Opens the part of --out; what it lacks is left in `inputs`. Reads the files of --calibration and --camera-memory for
 // their fingerprint. Errors: bad_input (options that go without --out only, no such shard, as PartFile::open()), io.
-Result<ArchiveRun> open_archive_run(const EstimateArguments& arguments, EstimateInputs& inputs);
+Result<ArchiveRun> open_archive_run(const EstimateRequest& arguments, EstimateInputs& inputs);
 
 // --learn-camera: writes what a sample of the pictures tells. Exit code 1: no camera is known by it. Errors: io.
-Result<int> learn_camera_of_archive(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads);
+Result<int> learn_camera_of_archive(const EstimateRequest& arguments, EstimateInputs& inputs, std::size_t threads);
 
 // --merge. Errors: bad_input (the parts are not the whole of one archive: what is missing), io.
-Result<int> merge_archive(const EstimateArguments& arguments);
+Result<int> merge_archive(const EstimateRequest& arguments);
 
 }  // namespace kasumi

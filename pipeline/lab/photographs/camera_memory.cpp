@@ -87,7 +87,7 @@ RememberedCamera read_camera_of(const ConfigTable& table) {
     camera.tones = table.integer("tones", kCount);
   }
   if (table.has("azimuth_up_deg")) {
-    SkyTurn turn;
+    AzimuthFit turn;
     turn.azimuth_up = from_degrees(table.number("azimuth_up_deg", {0.0, 360.0}));
     turn.sigma = from_degrees(table.number("sigma_azimuth_up_deg", {0.0, 360.0}));
     turn.mirrored = table.flag("mirrored");
@@ -110,7 +110,7 @@ auto* find_camera(Cameras& cameras, int width, int height, const ImageCircle& ci
 }
 
 // A remembered camera votes for its circle as two pictures do, or as one if it is known by a single one.
-void add_known(std::vector<PictureCircle>& pictures, const RememberedCamera& camera) {
+void add_known(std::vector<SizedCircle>& pictures, const RememberedCamera& camera) {
   for (int i = 0; i < std::min(camera.pictures, kEnough); ++i)
     pictures.push_back({camera.width, camera.height, camera.circle});
 }
@@ -134,8 +134,8 @@ Result<> CameraMemory::write(const std::filesystem::path& file) const {
   return write_text_file(file, text);
 }
 
-void CameraMemory::learn_circles(const std::map<std::filesystem::path, PictureCircle>& pictures) {
-  std::vector<PictureCircle> all;
+void CameraMemory::learn_circles(const std::map<std::filesystem::path, SizedCircle>& pictures) {
+  std::vector<SizedCircle> all;
   for (const RememberedCamera& camera : cameras_) add_known(all, camera);
   const std::size_t first = all.size();
   for (const auto& [file, picture] : pictures) all.push_back(picture);
@@ -173,7 +173,7 @@ void CameraMemory::learn(const std::vector<CameraSight>& pictures) {
     camera.tones += static_cast<int>(camera.told.size());
     if (camera.suns.size() > kMostSuns)
       camera.suns.erase(camera.suns.begin(), camera.suns.end() - static_cast<std::ptrdiff_t>(kMostSuns));
-    if (const auto turn = turn_of_sky(camera.suns); turn && (!camera.turn || turn->suns >= camera.turn->suns))
+    if (const auto turn = fit_azimuth(camera.suns); turn && (!camera.turn || turn->suns >= camera.turn->suns))
       camera.turn = turn;
   }
 }
@@ -191,8 +191,8 @@ CameraBelief CameraMemory::belief_beside(const RememberedCamera& camera, const s
   return belief_after(others, camera.told.empty() ? camera.belief : camera.before);
 }
 
-std::optional<FoundCircle> CameraMemory::circle_of(const PictureCircle& alone) const {
-  std::vector<PictureCircle> all;
+std::optional<FoundCircle> CameraMemory::circle_of(const SizedCircle& alone) const {
+  std::vector<SizedCircle> all;
   for (const RememberedCamera& camera : cameras_)
     if (camera.width == alone.width && camera.height == alone.height) add_known(all, camera);
   if (all.empty()) return alone.found;
@@ -200,7 +200,7 @@ std::optional<FoundCircle> CameraMemory::circle_of(const PictureCircle& alone) c
   return circles_of_fixed_cameras(all).back();
 }
 
-const PictureCircle* CameraMemory::found_in(const std::filesystem::path& file) const {
+const SizedCircle* CameraMemory::found_in(const std::filesystem::path& file) const {
   const auto found = found_.find(file);
   return found == found_.end() ? nullptr : &found->second;
 }

@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 #include "calib/mask/fixed_circle.hpp"
-#include "calib/pose/sky_turn.hpp"
+#include "calib/pose/azimuth_fit.hpp"
 #include "estimator/sky_fit/camera_belief.hpp"
 
 namespace kasumi {
@@ -20,7 +20,7 @@ struct RememberedCamera {
   int pictures = 0;           // that see this circle
   CameraBelief belief;
   int tones = 0;  // pictures that determined its tone exponent
-  std::optional<SkyTurn> turn;
+  std::optional<AzimuthFit> turn;
   std::vector<SunPair> suns;  // the latest, which the turn rests on
 
   // Tones of this call by picture, and the belief that they were asked under.
@@ -31,7 +31,7 @@ struct RememberedCamera {
 // What one picture says of its camera.
 struct CameraSight {
   std::filesystem::path file;
-  PictureCircle circle;  // with the circle that was used
+  SizedCircle circle;  // with the circle that was used
   std::optional<ToneSight> tone;
   std::optional<SunPair> sun;  // where it is seen, and where time and place put it
 };
@@ -43,15 +43,15 @@ class CameraMemory {
   Result<> write(const std::filesystem::path& file) const;
 
   // Cameras that these pictures show, and those known before. What was found is kept for found_in().
-  void learn_circles(const std::map<std::filesystem::path, PictureCircle>& pictures);
+  void learn_circles(const std::map<std::filesystem::path, SizedCircle>& pictures);
   // Tone curves and turns. The suns of `pictures` were seen by cameras of without_turns().
   void learn(const std::vector<CameraSight>& pictures);
   CameraMemory without_turns() const;
 
   // The circle of a picture in which `found` was found alone.
-  std::optional<FoundCircle> circle_of(const PictureCircle& alone) const;
+  std::optional<FoundCircle> circle_of(const SizedCircle& alone) const;
   // Found in a file before, to spare the search.
-  const PictureCircle* found_in(const std::filesystem::path& file) const;
+  const SizedCircle* found_in(const std::filesystem::path& file) const;
   // Null: no camera with this circle is known by several pictures; a single picture adds nothing to itself.
   const RememberedCamera* camera_of(int width, int height, const ImageCircle& circle) const;
   // Whether any picture showed such a camera.
@@ -62,7 +62,7 @@ class CameraMemory {
 
  private:
   std::vector<RememberedCamera> cameras_;
-  std::map<std::filesystem::path, PictureCircle> found_;
+  std::map<std::filesystem::path, SizedCircle> found_;
 };
 
 }  // namespace kasumi

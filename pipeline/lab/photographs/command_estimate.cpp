@@ -10,8 +10,8 @@
 #include "pipeline/lab/archive/estimate_csv.hpp"
 #include "pipeline/lab/photographs/archive_run.hpp"
 #include "pipeline/lab/photographs/estimate_answer.hpp"
-#include "pipeline/lab/photographs/estimate_arguments.hpp"
 #include "pipeline/lab/photographs/estimate_inputs.hpp"
+#include "pipeline/lab/photographs/estimate_request.hpp"
 #include "pipeline/lab/photographs/estimate_tally.hpp"
 #include "pipeline/lab/photographs/estimated_response.hpp"
 #include "pipeline/lab/photographs/fit_plot.hpp"
@@ -19,7 +19,7 @@
 #include "pipeline/lab/photographs/haze_answer.hpp"
 #include "pipeline/lab/photographs/learn_cameras.hpp"
 #include "pipeline/lab/photographs/scan_report.hpp"
-#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/lab/photographs/visibility_series.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/ordered_jobs.hpp"
 #include "pipeline/machine/progress.hpp"
@@ -31,27 +31,27 @@ namespace kasumi {
 namespace {
 
 struct ImageJob {
-  SkyInput input;
-  const SceneVisibility* scene = nullptr;  // taken at the same time
-  std::optional<ArchivePlace> place{};     // of a record
+  EstimateInput input;
+  const VisibilityReading* scene = nullptr;  // taken at the same time
+  std::optional<ArchivePlace> place{};       // of a record
 };
 
 struct StackJob {
-  SkyStack stack;
+  PictureStack stack;
   ArchivePlace place;  // of the first that is to be answered
 };
 
 // The landmarks' result from the scene camera's picture of the same time, compared with the sky.
-std::string landmarks_answer(const SceneVisibilities& scenes, const SceneVisibility& scene,
-                             const SkyPhotographReport* report, bool json) {
-  std::optional<SkyComparison> sky;
+std::string landmarks_answer(const VisibilitySeries& scenes, const VisibilityReading& scene,
+                             const PhotographReport* report, bool json) {
+  std::optional<ExtinctionComparison> sky;
   if (report && report->look.estimate.usable)
     sky = scenes.watch.compare(scene.air, report->look.estimate.turbidity, report->look.estimate.sigma);
   return json ? visibility_json(scenes.watch, scene, sky ? &*sky : nullptr)
               : visibility_text(scenes.watch, scene, sky ? &*sky : nullptr);
 }
 
-std::filesystem::path plot_path(const EstimateArguments& arguments, const std::filesystem::path& image) {
+std::filesystem::path plot_path(const EstimateRequest& arguments, const std::filesystem::path& image) {
   auto name = image.filename();
   name += ".fit.png";
   const auto member = archive_member(image);
@@ -86,19 +86,21 @@ class Elsewhere {
 // What one thread keeps of each camera.
 class Worker {
  public:
-  explicit Worker(const std::vector<SkyPhotographOptions>& cameras) : cameras_(&cameras) {}
-  SkyPhotographs& of(std::size_t camera) { return photographs_.try_emplace(camera, (*cameras_)[camera]).first->second; }
-  std::optional<Utc> utc_of(const SkyInput& input) const {
+  explicit Worker(const std::vector<PhotographSetup>& cameras) : cameras_(&cameras) {}
+  PhotographEstimator& of(std::size_t camera) {
+    return photographs_.try_emplace(camera, (*cameras_)[camera]).first->second;
+  }
+  std::optional<Utc> utc_of(const EstimateInput& input) const {
     return input.utc ? input.utc : (*cameras_)[input.camera].utc;
   }
 
  private:
-  const std::vector<SkyPhotographOptions>* cameras_;
-  std::map<std::size_t, SkyPhotographs> photographs_;
+  const std::vector<PhotographSetup>* cameras_;
+  std::map<std::size_t, PhotographEstimator> photographs_;
 };
 
-Answer answer_of(const EstimateArguments& arguments, const SceneVisibilities* scenes, const ImageJob& job,
-                 const SkyPhotographReport& report) {
+Answer answer_of(const EstimateRequest& arguments, const VisibilitySeries* scenes, const ImageJob& job,
+                 const PhotographReport& report) {
   const auto& file = job.input.file;
   const auto landmarks_text =
       job.scene ? landmarks_answer(*scenes, *job.scene, &report, arguments.json) : std::string();
@@ -127,7 +129,7 @@ Answer answer_of(const EstimateArguments& arguments, const SceneVisibilities* sc
   return answer;
 }
 
-Answer answer_of(const EstimateArguments& arguments, Worker& worker, const SceneVisibilities* scenes,
+Answer answer_of(const EstimateRequest& arguments, Worker& worker, const VisibilitySeries* scenes,
                  const ImageJob& job) {
   const auto& [file, utc, problem, camera, label] = job.input;
   const auto unread = [&](const std::string& why) {
@@ -140,7 +142,7 @@ Answer answer_of(const EstimateArguments& arguments, Worker& worker, const Scene
 }
 
 // One for each picture of the job that is to be answered.
-std::vector<Answer> answers_of(const EstimateArguments& arguments, Worker& worker, const StackJob& job) {
+std::vector<Answer> answers_of(const EstimateRequest& arguments, Worker& worker, const StackJob& job) {
   const auto& pictures = job.stack.pictures;
   std::vector<std::filesystem::path> files;
   for (const auto& picture : pictures) files.push_back(picture.file);
@@ -178,8 +180,8 @@ Result<> make_folder(const std::filesystem::path& folder) {
               error ? error.message() : "a file is there");
 }
 
-Result<int> estimate_scans(const EstimateArguments& arguments) {
-  const auto options = sky_photograph_options(arguments);
+Result<int> estimate_scans(const EstimateRequest& arguments) {
+  const auto options = photograph_setup(arguments);
   if (!options) return fail(options.error());
   EstimateTally tally;
   if (arguments.csv) fmt::print("{}", estimate_csv_header());
@@ -203,7 +205,7 @@ Result<int> estimate_scans(const EstimateArguments& arguments) {
   return exit_code_of(tally, "scan");
 }
 
-Result<int> estimate_hazes(const EstimateArguments& arguments) {
+Result<int> estimate_hazes(const EstimateRequest& arguments) {
   if (!arguments.images.empty() || !arguments.scenes.empty() || !arguments.scans.empty())
     return fail(FaultKind::bad_input, "--haze: stands instead of other pictures, expected none beside it");
   HazeQuestion question{.distance_m = arguments.distance_m, .altitude_m = arguments.altitude_m.value_or(0.0)};
@@ -221,7 +223,7 @@ Result<int> estimate_hazes(const EstimateArguments& arguments) {
   return exit_code_of(tally, "picture");
 }
 
-Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArguments& arguments) {
+Result<int> answer_scenes(const VisibilitySeries& scenes, const EstimateRequest& arguments) {
   MeasuredVisibilities measured;
   if (!arguments.measured.empty()) {
     auto read = read_measured_visibilities(arguments.measured);
@@ -247,10 +249,10 @@ Result<int> answer_scenes(const SceneVisibilities& scenes, const EstimateArgumen
 
 // What must be known of the cameras before the first answer: of --response estimate from all pictures, else from as many
 // as are there at once.
-Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+Result<> learn(const EstimateRequest& arguments, EstimateInputs& inputs, std::size_t threads) {
   constexpr std::size_t kMost = 200;
   if (arguments.response_from_pictures()) {
-    std::vector<PhotographOfSky> taken;
+    std::vector<DatedFile> taken;
     for (auto& input : inputs.all())
       if (input.problem.empty()) taken.push_back({input.file, input.utc});
     const auto tone = tone_curve_of(taken, inputs.cameras().front());
@@ -270,7 +272,7 @@ Result<> learn(const EstimateArguments& arguments, EstimateInputs& inputs, std::
 }
 
 // A shard of an archive; a picture that cannot be read is a record, and no error.
-Result<int> estimate_archive(const EstimateArguments& arguments, EstimateInputs& inputs, std::size_t threads) {
+Result<int> estimate_archive(const EstimateRequest& arguments, EstimateInputs& inputs, std::size_t threads) {
   auto run = open_archive_run(arguments, inputs);
   if (!run) return fail(run.error());
   CameraMemory memory;
@@ -327,7 +329,7 @@ Result<int> estimate_archive(const EstimateArguments& arguments, EstimateInputs&
 }
 
 // Arguments that name no picture are reported first; the others are still answered.
-Result<int> estimate_pictures(const EstimateArguments& arguments, const std::optional<SceneVisibilities>& scenes) {
+Result<int> estimate_pictures(const EstimateRequest& arguments, const std::optional<VisibilitySeries>& scenes) {
   auto inputs = EstimateInputs::expand(arguments);
   if (!inputs) return fail(inputs.error());
   const auto& missing = inputs->problems();
@@ -386,7 +388,7 @@ Result<int> estimate_pictures(const EstimateArguments& arguments, const std::opt
   return exit_code_of(tally, "picture");
 }
 
-Result<int> estimate(const EstimateArguments& arguments) {
+Result<int> estimate(const EstimateRequest& arguments) {
   const bool pictures_asked = !arguments.images.empty() || (arguments.scenes.empty() && arguments.scans.empty());
   if (arguments.csv && (!arguments.hazes.empty() || !arguments.scenes.empty()))
     return fail(FaultKind::bad_input, "--csv: has no columns for --haze and --scene, expected --json");
@@ -395,10 +397,9 @@ Result<int> estimate(const EstimateArguments& arguments) {
     return fail(FaultKind::bad_input, "--out: is for pictures of the sky, expected no --scene, --scan or --haze");
   if (!arguments.hazes.empty()) return estimate_hazes(arguments);
   if (!arguments.scans.empty()) return estimate_scans(arguments);
-  std::optional<SceneVisibilities> scenes;
+  std::optional<VisibilitySeries> scenes;
   if (!arguments.scenes.empty()) {
-    auto visibilities =
-        read_scene_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
+    auto visibilities = read_visibilities({arguments.scenes.begin(), arguments.scenes.end()}, arguments.landmarks);
     if (!visibilities) return fail(visibilities.error());
     scenes = std::move(*visibilities);
     if (!pictures_asked) return answer_scenes(*scenes, arguments);
@@ -412,7 +413,7 @@ Result<int> estimate(const EstimateArguments& arguments) {
 
 void add_estimate_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("estimate", "Turbidity from photographs of the sky");
-  auto arguments = std::make_shared<EstimateArguments>();
+  auto arguments = std::make_shared<EstimateRequest>();
   add_estimate_options(*command, *arguments);
   command->callback([command, arguments, &action] {
     if (!arguments->scenes.empty() && arguments->landmarks.empty())

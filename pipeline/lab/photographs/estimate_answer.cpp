@@ -18,7 +18,7 @@ bool kind_known(const TurbidityEstimate& estimate) {
 }
 
 // "0.094 +- 0.012 at 550 nm, exponent 1.32 +- 0.20, continental"
-std::string aerosol_text(const SkyPhotographReport& report) {
+std::string aerosol_text(const PhotographReport& report) {
   const auto sigmas = aerosol_sigmas(report.look.estimate, *report.air);
   std::string text =
       fmt::format("  aerosol depth    {:.3f} +- {:.3f} at 550 nm", report.quality->aod_550, sigmas.aod_550);
@@ -31,7 +31,7 @@ std::string aerosol_text(const SkyPhotographReport& report) {
 }
 
 // The models with their weights: "dome, continental 71 %; preetham 20 %".
-std::string models_text(const std::vector<SkyModelAnswer>& models) {
+std::string models_text(const std::vector<ModelAnswer>& models) {
   constexpr double kWorthTelling = 0.005;
   std::string text;
   for (const auto& model : models)
@@ -41,18 +41,18 @@ std::string models_text(const std::vector<SkyModelAnswer>& models) {
 }
 
 // A scan has no cloud cover; its verdict may still give the kind of sky.
-SkyClass sky_class(const SkyPhotographReport& report) {
-  if (report.cover.sky != SkyClass::unknown) return report.cover.sky;
+CoverClass sky_class(const PhotographReport& report) {
+  if (report.cover.sky != CoverClass::unknown) return report.cover.sky;
   switch (report.look.estimate.sky) {
-    case SkyCondition::night: return SkyClass::night;
-    case SkyCondition::overcast: return SkyClass::overcast;
-    case SkyCondition::clear: return SkyClass::clear;
-    default: return SkyClass::unknown;
+    case SkyCondition::night: return CoverClass::night;
+    case SkyCondition::overcast: return CoverClass::overcast;
+    case SkyCondition::clear: return CoverClass::clear;
+    default: return CoverClass::unknown;
   }
 }
 
 // "few, 23 +- 8 % cloud"
-std::string sky_text(const SkyPhotographReport& report) {
+std::string sky_text(const PhotographReport& report) {
   const auto& cover = report.cover;
   std::string text = fmt::format("  sky              {}", name_of(sky_class(report)));
   if (cover.fraction) text += fmt::format(", {:.0f} +- {:.0f} % cloud", 100.0 * *cover.fraction, 100.0 * cover.sigma);
@@ -63,7 +63,7 @@ std::string sky_text(const SkyPhotographReport& report) {
 }
 
 // "46.940 N, 8.280 E, 460 m"
-std::string place_text(const SkyPhotographReport& report) {
+std::string place_text(const PhotographReport& report) {
   const auto& place = *report.taken.place;
   return fmt::format("{:.3f} {}, {:.3f} {}{}", std::abs(place.latitude_deg), place.latitude_deg < 0.0 ? "S" : "N",
                      std::abs(place.longitude_deg), place.longitude_deg < 0.0 ? "W" : "E",
@@ -72,11 +72,11 @@ std::string place_text(const SkyPhotographReport& report) {
 
 }  // namespace
 
-std::string other_place(const SkyPhotographReport& report) {
+std::string other_place(const PhotographReport& report) {
   return fmt::format("its {} says {}, {:.0f} km away", report.taken.by, place_text(report), *report.off_m / 1000.0);
 }
 
-std::string estimate_json(const std::filesystem::path& image, const SkyPhotographReport& report,
+std::string estimate_json(const std::filesystem::path& image, const PhotographReport& report,
                           const std::string& landmarks) {
   const auto& estimate = report.look.estimate;
   // Dividing by a power of ten gives the double that prints with that many digits; multiplying by its inverse does not.
@@ -96,7 +96,7 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   json["reason"] = estimate.reason;
   const auto& cover = report.cover;
   json["sky"] = nullptr;
-  if (const auto sky = sky_class(report); sky != SkyClass::unknown) json["sky"] = name_of(sky);
+  if (const auto sky = sky_class(report); sky != CoverClass::unknown) json["sky"] = name_of(sky);
   json["cloud_fraction"] = nullptr;
   json["sigma_cloud_fraction"] = nullptr;
   if (cover.fraction) {
@@ -201,12 +201,12 @@ std::string estimate_json(const std::filesystem::path& image, const SkyPhotograp
   return json.dump() + "\n";
 }
 
-std::string estimate_text(const std::filesystem::path& image, const SkyPhotographReport& report) {
+std::string estimate_text(const std::filesystem::path& image, const PhotographReport& report) {
   const auto& estimate = report.look.estimate;
   std::string text = image.string() + "\n";
   if (estimate.usable && report.air && report.quality) {
     text += fmt::format("  turbidity        {:.3f} +- {:.3f}{}\n", estimate.turbidity.value, estimate.sigma,
-                        followed_model(report.look.sky) == name_of(SiteSkyModel::dome)
+                        followed_model(report.look.sky) == name_of(DaylightModel::dome)
                             ? fmt::format(" (of the dome, seen from {:.0f} m)", report.look.sky.altitude_m)
                             : "");
     text += aerosol_text(report) + models_text(estimate.models);

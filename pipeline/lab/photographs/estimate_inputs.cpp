@@ -46,9 +46,9 @@ bool line_is_there() {
 
 }  // namespace
 
-SkyInput input_of_line(std::string line) {
+EstimateInput input_of_line(std::string line) {
   if (!line.empty() && line.back() == '\r') line.pop_back();
-  SkyInput input;
+  EstimateInput input;
   const auto tab = line.find('\t');
   input.file = line.substr(0, tab);
   if (tab == std::string::npos) return input;
@@ -61,7 +61,7 @@ SkyInput input_of_line(std::string line) {
   return input;
 }
 
-Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments) {
+Result<EstimateInputs> EstimateInputs::expand(const EstimateRequest& arguments) {
   EstimateInputs inputs;
   if (auto read = inputs.read_cameras(arguments); !read) return fail(read.error());
   if (!arguments.time_format.empty())
@@ -71,14 +71,14 @@ Result<EstimateInputs> EstimateInputs::expand(const EstimateArguments& arguments
   else
     for (const auto& word : arguments.images) inputs.add(arguments, word);
   if (inputs.of_command_line_) {
-    auto options = sky_photograph_options(arguments);
+    auto options = photograph_setup(arguments);
     if (!options) return fail(options.error());
     inputs.cameras_.front() = std::move(*options);
   }
   return inputs;
 }
 
-void EstimateInputs::add(const EstimateArguments& arguments, const std::string& word) {
+void EstimateInputs::add(const EstimateRequest& arguments, const std::string& word) {
   if (word == "-") {
     if (std::ranges::any_of(inputs_, &Entry::standard_input)) {
       problems_.add("-: given twice, expected standard input once");
@@ -91,7 +91,7 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
     add_path(arguments, word);
   } else if (const auto member = archive_member(word); member && is_there(member->archive)) {
     of_command_line_ = true;
-    add(SkyInput{word, {}, {}, 0});
+    add(EstimateInput{word, {}, {}, 0});
   } else if (word.starts_with("@")) {
     add_list(word.substr(1));
   } else if (word.find_first_of("*?[") != std::string::npos) {
@@ -101,11 +101,11 @@ void EstimateInputs::add(const EstimateArguments& arguments, const std::string& 
   }
 }
 
-void EstimateInputs::add_path(const EstimateArguments& arguments, const std::filesystem::path& path) {
+void EstimateInputs::add_path(const EstimateRequest& arguments, const std::filesystem::path& path) {
   if (!is_folder(path)) {
     if (is_archive_file(path)) return add_members(path);
     of_command_line_ = true;
-    add(SkyInput{path, {}, {}, 0});
+    add(EstimateInput{path, {}, {}, 0});
   } else if (is_there(path / kFixtureFile)) {
     add_recording(arguments, path);
   } else {
@@ -113,7 +113,7 @@ void EstimateInputs::add_path(const EstimateArguments& arguments, const std::fil
   }
 }
 
-void EstimateInputs::add_pattern(const EstimateArguments& arguments, const std::string& pattern) {
+void EstimateInputs::add_pattern(const EstimateRequest& arguments, const std::string& pattern) {
   glob_t matches{};
   const bool any = ::glob(pattern.c_str(), 0, nullptr, &matches) == 0;
   if (!any) problems_.add("{}: no file matches", pattern);
@@ -138,7 +138,7 @@ void EstimateInputs::add_folder(const std::filesystem::path& folder) {
   auto files = pictures_in(folder);
   std::erase_if(files, [](const auto& file) { return !is_sky_picture(file); });
   if (files.empty()) problems_.add("{}: a folder without any picture", folder.string());
-  for (auto& file : files) add(SkyInput{std::move(file), {}, {}, 0});
+  for (auto& file : files) add(EstimateInput{std::move(file), {}, {}, 0});
   of_command_line_ = of_command_line_ || !files.empty();
 }
 
@@ -166,7 +166,7 @@ void EstimateInputs::add_members(const std::filesystem::path& archive) {
   of_command_line_ = of_command_line_ || !names->empty();
 }
 
-void EstimateInputs::add_recording(const EstimateArguments& arguments, const std::filesystem::path& folder) {
+void EstimateInputs::add_recording(const EstimateRequest& arguments, const std::filesystem::path& folder) {
   const auto rows = read_index(folder / "sky");
   if (!rows) {
     problems_.add("{}", rows.error().message);
@@ -176,7 +176,7 @@ void EstimateInputs::add_recording(const EstimateArguments& arguments, const std
   if (arguments.calibration.empty()) {
     auto own = arguments;
     own.calibration = (folder / kFixtureFile).string();
-    auto options = sky_photograph_options(own);
+    auto options = photograph_setup(own);
     if (!options) {
       problems_.add("{}: {}", folder.string(), options.error().message);
       return;
@@ -187,7 +187,7 @@ void EstimateInputs::add_recording(const EstimateArguments& arguments, const std
   const auto before = inputs_.size();
   for (const auto& row : *rows) {
     if (row.disconnected) continue;
-    SkyInput input{folder / "sky" / row.payload, row.metadata.utc, {}, camera};
+    EstimateInput input{folder / "sky" / row.payload, row.metadata.utc, {}, camera};
     if (row.payload.empty() || row.metadata.format != kMjpg) {
       problems_.add("{}: its sky camera recorded {}, expected JPEG files: kasumi replay reads it", folder.string(),
                     row.metadata.format.text());
@@ -207,7 +207,7 @@ std::optional<std::size_t> EstimateInputs::count() const {
   return inputs_.size();
 }
 
-std::optional<SkyInput> EstimateInputs::take(bool wait) {
+std::optional<EstimateInput> EstimateInputs::take(bool wait) {
   while (at_ < inputs_.size()) {
     if (!inputs_[at_].standard_input()) return input_of(inputs_[at_++]);
     if (!wait && !line_is_there()) return std::nullopt;
@@ -220,7 +220,7 @@ std::optional<SkyInput> EstimateInputs::take(bool wait) {
   return std::nullopt;
 }
 
-std::optional<SkyInput> EstimateInputs::next() {
+std::optional<EstimateInput> EstimateInputs::next() {
   if (ahead_.empty()) {
     auto input = take(true);
     return input ? std::optional(timed(std::move(*input))) : std::nullopt;
@@ -230,7 +230,7 @@ std::optional<SkyInput> EstimateInputs::next() {
   return first;
 }
 
-std::vector<SkyInput> EstimateInputs::ahead(std::size_t most) {
+std::vector<EstimateInput> EstimateInputs::ahead(std::size_t most) {
   while (ahead_.size() < most) {
     auto input = take(false);
     if (!input) break;
@@ -239,12 +239,12 @@ std::vector<SkyInput> EstimateInputs::ahead(std::size_t most) {
   return {ahead_.begin(), ahead_.begin() + static_cast<std::ptrdiff_t>(std::min(most, ahead_.size()))};
 }
 
-std::vector<SkyInput> EstimateInputs::all() {
+std::vector<EstimateInput> EstimateInputs::all() {
   while (auto input = take(true)) ahead_.push_back(timed(std::move(*input)));
   return {ahead_.begin(), ahead_.end()};
 }
 
-SkyInput EstimateInputs::timed(SkyInput input) const {
+EstimateInput EstimateInputs::timed(EstimateInput input) const {
   if (!input.problem.empty()) return input;
   if (times_ && !input.utc) {
     input.utc = picture_time(input.file, *times_);
@@ -264,8 +264,8 @@ SkyInput EstimateInputs::timed(SkyInput input) const {
   return input;
 }
 
-Result<> EstimateInputs::read_cameras(const EstimateArguments& arguments) {
-  auto periods = CameraPeriods::read(arguments.cameras);
+Result<> EstimateInputs::read_cameras(const EstimateRequest& arguments) {
+  auto periods = CalibrationPeriods::read(arguments.cameras);
   if (!periods) return fail(periods.error());
   periods_ = std::move(*periods);
   if (periods_.empty()) return {};
@@ -277,7 +277,7 @@ Result<> EstimateInputs::read_cameras(const EstimateArguments& arguments) {
   for (std::size_t i = 0; i < periods_.size() && problems.empty(); ++i) {
     auto own = arguments;
     own.calibration = periods_.file(i);
-    auto options = sky_photograph_options(own);
+    auto options = photograph_setup(own);
     if (!options) return fail(FaultKind::bad_input, "--camera {}: {}", periods_.file(i), options.error().message);
     cameras_.push_back(std::move(*options));
   }
@@ -294,7 +294,7 @@ void EstimateInputs::add_lines(std::string text, std::vector<Entry>& entries) {
   }
 }
 
-SkyInput EstimateInputs::input_of(const Entry& entry) {
+EstimateInput EstimateInputs::input_of(const Entry& entry) {
   return entry.input ? *entry.input : input_of_line(entry.lines->substr(entry.begin, entry.length));
 }
 
@@ -330,7 +330,7 @@ void EstimateInputs::keep(std::size_t first, std::size_t count) {
   end_ = at_ + count;
 }
 
-const SkyInput& EstimateInputs::timed_at(std::size_t entry) {
+const EstimateInput& EstimateInputs::timed_at(std::size_t entry) {
   const auto before = timed_.find(entry);
   return before != timed_.end() ? before->second : timed_.emplace(entry, timed(input_of(inputs_[entry]))).first->second;
 }
@@ -341,14 +341,14 @@ bool EstimateInputs::may_follow(std::size_t entry) {
          *b.utc - *a.utc <= kStackWithin && a.file.parent_path() == b.file.parent_path();
 }
 
-std::optional<SkyStack> EstimateInputs::next_stack() {
+std::optional<PictureStack> EstimateInputs::next_stack() {
   if (at_ == end_) return std::nullopt;
   timed_.erase(timed_.begin(), timed_.lower_bound(at_ - std::min(at_, kMostInStack + 1)));
   std::size_t first = at_, last = at_;
   while (first > 0 && at_ - first < kMostInStack && may_follow(first)) --first;
   while (last + 1 < inputs_.size() && last - first < kMostInStack && may_follow(last + 1)) ++last;
   if (last - first >= kMostInStack) first = last = at_;
-  SkyStack stack;
+  PictureStack stack;
   for (std::size_t i = first; i <= last; ++i) stack.pictures.push_back(timed_at(i));
   stack.first = at_ - first;
   at_ = std::min(last + 1, end_);
@@ -357,14 +357,14 @@ std::optional<SkyStack> EstimateInputs::next_stack() {
 }
 
 // Even steps would meet one hour of the day again and again.
-std::vector<SkyInput> EstimateInputs::sample(std::size_t most) const {
+std::vector<EstimateInput> EstimateInputs::sample(std::size_t most) const {
   std::set<std::size_t> taken;
   const auto count = static_cast<double>(inputs_.size());
   for (std::size_t k = 0; taken.size() < std::min(most, inputs_.size()); ++k) {
     const double share = std::fmod(static_cast<double>(k) * std::numbers::phi, 1.0);
     taken.insert(std::min(inputs_.size() - 1, static_cast<std::size_t>(share * count)));
   }
-  std::vector<SkyInput> some;
+  std::vector<EstimateInput> some;
   for (const auto at : taken) some.push_back(timed(input_of(inputs_[at])));
   return some;
 }

@@ -2,13 +2,13 @@
 
 namespace kasumi {
 
-Result<ToneCurve> tone_curve_of(std::span<const PhotographOfSky> taken, SkyPhotographOptions options) {
+Result<ToneCurve> tone_curve_of(std::span<const DatedFile> taken, PhotographSetup options) {
   // Under every model of the sky, whichever is chosen for the air.
   options.estimate.sky.every_model = true;
   const double altitude_m = options.site ? options.site->altitude_m : options.estimate.sky.altitude_m;
-  SkyPhotographs photographs(std::move(options));
-  std::vector<PictureOfSky> pictures;
-  for (const PhotographOfSky& one : taken) {
+  PhotographEstimator photographs(std::move(options));
+  std::vector<ToneEvidence> pictures;
+  for (const DatedFile& one : taken) {
     auto report = photographs.estimate_from(one.file, one.utc);
     if (!report) return fail(report.error());
     const TurbidityEstimate& estimate = report->look.estimate;

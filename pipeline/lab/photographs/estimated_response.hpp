@@ -10,13 +10,13 @@
 
 namespace kasumi {
 
-struct PhotographOfSky {
+struct DatedFile {
   std::filesystem::path file;
   std::optional<Utc> utc;
 };
 
 // The exponent over sRGB. Pictures with clouds are left out. Errors: bad_input (a picture that cannot be read; those of
 // find_tone_curve).
-Result<ToneCurve> tone_curve_of(std::span<const PhotographOfSky> taken, SkyPhotographOptions options);
+Result<ToneCurve> tone_curve_of(std::span<const DatedFile> taken, PhotographSetup options);
 
 }  // namespace kasumi

@@ -23,7 +23,7 @@ void write(cv::Mat& canvas, const std::string& text, cv::Point at, double size =
   cv::putText(canvas, text, at, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
 }
 
-void draw_sky(cv::Mat canvas, const SkyPicture& picture, const SkyObservation& observation) {
+void draw_sky(cv::Mat canvas, const SkyPicture& picture, const TurbidityObservation& observation) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
   const double scale = static_cast<double>(kSide) / std::max(width, height);
   for (int y = 0; y < canvas.rows; ++y)
@@ -50,7 +50,7 @@ struct Axis {
 };
 
 // ln of the followed model's luminance, in a unit of its own, by the cosine of the zenith angle and the sun's distance.
-std::function<double(double, double)> followed_sky(const SkyObservation& observation) {
+std::function<double(double, double)> followed_sky(const TurbidityObservation& observation) {
   const Turbidity turbidity = observation.estimate.turbidity;
   const SunDirection& sun = observation.estimate.sun;
   if (followed_model(observation.sky) == "hosek") {
@@ -66,7 +66,7 @@ std::function<double(double, double)> followed_sky(const SkyObservation& observa
 }
 
 // ln of luminance over the zenith's: modelled and measured.
-std::vector<cv::Point2d> points_of(const SkyObservation& observation) {
+std::vector<cv::Point2d> points_of(const TurbidityObservation& observation) {
   std::vector<cv::Point2d> points;
   const auto sky = followed_sky(observation);
   const double zenith = sky(1.0, zenith_angle(observation.estimate.sun).value);
@@ -82,7 +82,7 @@ std::vector<cv::Point2d> points_of(const SkyObservation& observation) {
   return points;
 }
 
-void draw_fit(cv::Mat canvas, const SkyObservation& observation) {
+void draw_fit(cv::Mat canvas, const TurbidityObservation& observation) {
   const auto points = points_of(observation);
   if (points.empty()) {
     write(canvas, "no samples", {kSide / 2 - 40, kSide / 2});
@@ -115,7 +115,7 @@ void draw_fit(cv::Mat canvas, const SkyObservation& observation) {
 
 }  // namespace
 
-Image<Rgb8> plot_fit(const SkyPicture& picture, const SkyObservation& observation, const std::string& title) {
+Image<Rgb8> plot_fit(const SkyPicture& picture, const TurbidityObservation& observation, const std::string& title) {
   Image<Rgb8> image(2 * kSide + 3 * kMargin, kSide + kTop + kMargin, Rgb8(255));
   cv::Mat canvas(image.height(), image.width(), CV_8UC3, image.elements().data());
   write(canvas, title, {kMargin, 35}, 0.55);

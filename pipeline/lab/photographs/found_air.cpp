@@ -14,7 +14,7 @@ bool aerosol_followed(const TurbidityEstimate& estimate) {
 
 }  // namespace
 
-AirState found_air(const TurbidityEstimate& estimate, const SkyToFit& followed) {
+AirState found_air(const TurbidityEstimate& estimate, const ModelToFit& followed) {
   if (aerosol_followed(estimate)) return {estimate.found->aerosol, estimate.found->covariance};
   const auto given = followed.every_model ? followed.known.to_be_found() : followed.aerosol;
   return air_of(estimate.turbidity, given, estimate.sigma);

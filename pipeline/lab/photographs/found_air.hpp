@@ -9,7 +9,7 @@
 namespace kasumi {
 
 // `estimate`: a usable one. `followed`: the model to which its T belongs.
-AirState found_air(const TurbidityEstimate& estimate, const SkyToFit& followed);
+AirState found_air(const TurbidityEstimate& estimate, const ModelToFit& followed);
 
 struct AerosolSigmas {
   double aod_550 = 0.0;

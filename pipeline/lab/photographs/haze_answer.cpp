@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "estimator/photograph/other_air.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 
@@ -29,14 +29,14 @@ Json channels(const glm::dvec3& values) {
 }
 
 // Pictures of one size, and their named part.
-struct OfOneCamera {
+struct AnswerGroup {
   Camera camera;
   std::vector<std::size_t> answers;
   std::vector<std::optional<PartContrast>> parts;
 };
 
 // The part of all pictures as one landmark. Without a distance each by itself: nothing is known of how clear hours look.
-void add_depths(const HazeQuestion& question, const OfOneCamera& same, std::vector<Result<HazeAnswer>>& answers) {
+void add_depths(const HazeQuestion& question, const AnswerGroup& same, std::vector<Result<HazeAnswer>>& answers) {
   constexpr double kAnyDistance_m = 1000.0;
   ContrastLandmark landmark;
   landmark.distance_m = question.distance_m.value_or(kAnyDistance_m);
@@ -53,7 +53,7 @@ void add_depths(const HazeQuestion& question, const OfOneCamera& same, std::vect
   }
   landmark.contrast_sigma = std::hypot(landmark.contrast_sigma, 0.5 * spread);
   const LandmarkWatch watch(same.camera, question.altitude_m, {landmark}, {}, ScatteringModel::aerosol);
-  std::vector<LandmarkAir> airs;
+  std::vector<ChannelExtinctions> airs;
   if (question.distance_m && readings.size() > 1)
     airs = watch.estimate_all(readings);
   else
@@ -90,7 +90,7 @@ double visibility_m(const HazeAnswer& answer) {
 std::vector<Result<HazeAnswer>> hazes_of(const std::vector<std::filesystem::path>& pictures,
                                          const HazeQuestion& question) {
   std::vector<Result<HazeAnswer>> answers;
-  std::map<std::pair<int, int>, OfOneCamera> cameras;
+  std::map<std::pair<int, int>, AnswerGroup> cameras;
   for (const auto& picture : pictures) {
     const auto photograph = read_photograph(picture);
     if (!photograph) {
@@ -107,7 +107,7 @@ std::vector<Result<HazeAnswer>> hazes_of(const std::vector<std::filesystem::path
     answer.from_sky = hazy.from_sky;
     answer.exponent = answer.colour.told ? answer.colour.exponent : Aerosol{}.angstrom_exponent;
     if (question.part) {
-      auto& same = cameras.try_emplace({width, height}, OfOneCamera{camera, {}, {}}).first->second;
+      auto& same = cameras.try_emplace({width, height}, AnswerGroup{camera, {}, {}}).first->second;
       same.answers.push_back(answers.size());
       same.parts.push_back(part_contrast(hazy, *question.part));
     }

@@ -12,22 +12,23 @@ namespace {
 
 // The answers to some pictures, in their order; each thread keeps what it knows of each camera.
 template <class Answer>
-std::vector<Answer> ask(const std::vector<SkyInput>& pictures, const std::vector<SkyPhotographOptions>& cameras,
-                        std::size_t threads, const std::function<Answer(SkyPhotographs&, const SkyInput&)>& question) {
-  std::vector<std::map<std::size_t, SkyPhotographs>> photographs(threads);
+std::vector<Answer> ask(const std::vector<EstimateInput>& pictures, const std::vector<PhotographSetup>& cameras,
+                        std::size_t threads,
+                        const std::function<Answer(PhotographEstimator&, const EstimateInput&)>& question) {
+  std::vector<std::map<std::size_t, PhotographEstimator>> photographs(threads);
   std::vector<Answer> answers;
   std::size_t given = 0;
-  run_in_order<SkyInput, Answer>(
+  run_in_order<EstimateInput, Answer>(
       threads, [&]() { return given < pictures.size() ? std::optional(pictures[given++]) : std::nullopt; },
-      [&](std::size_t worker, const SkyInput& picture) {
+      [&](std::size_t worker, const EstimateInput& picture) {
         auto& own = photographs[worker].try_emplace(picture.camera, cameras[picture.camera]).first->second;
         return question(own, picture);
       },
-      [&](const SkyInput&, const Answer& answer) { answers.push_back(answer); });
+      [&](const EstimateInput&, const Answer& answer) { answers.push_back(answer); });
   return answers;
 }
 
-std::optional<CameraSight> sight_of(SkyPhotographs& photographs, const SkyInput& picture) {
+std::optional<CameraSight> sight_of(PhotographEstimator& photographs, const EstimateInput& picture) {
   const auto report = photographs.estimate_from(picture.file, picture.utc);
   if (!report || !report->camera_circle.found) return std::nullopt;
   CameraSight sight{picture.file, report->camera_circle, std::nullopt, std::nullopt};
@@ -38,41 +39,41 @@ std::optional<CameraSight> sight_of(SkyPhotographs& photographs, const SkyInput&
   return sight;
 }
 
-std::vector<SkyInput> spread(const std::vector<SkyInput>& pictures, std::size_t most) {
+std::vector<EstimateInput> spread(const std::vector<EstimateInput>& pictures, std::size_t most) {
   const std::size_t step = (pictures.size() + most - 1) / most;
-  std::vector<SkyInput> some;
+  std::vector<EstimateInput> some;
   for (std::size_t i = 0; i < pictures.size(); i += step) some.push_back(pictures[i]);
   return some;
 }
 
 }  // namespace
 
-std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
-                                                  const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
+std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<EstimateInput>& pictures,
+                                                  const std::vector<PhotographSetup>& cameras, CameraMemory before,
                                                   bool kept, std::size_t threads, std::size_t most_asked) {
-  std::vector<SkyInput> strange;  // of cameras that are not calibrated
-  for (const SkyInput& picture : pictures)
+  std::vector<EstimateInput> strange;  // of cameras that are not calibrated
+  for (const EstimateInput& picture : pictures)
     if (picture.problem.empty() && !cameras[picture.camera].calibrated) strange.push_back(picture);
   auto memory = std::make_shared<CameraMemory>(std::move(before));
   if (strange.empty() || (strange.size() == 1 && !kept)) return memory;
 
-  const auto circles = ask<std::optional<PictureCircle>>(strange, cameras, threads,
-                                                         [](SkyPhotographs& photographs, const SkyInput& picture) {
-                                                           const auto circle = photographs.circle_in(picture.file);
-                                                           return circle ? std::optional(*circle) : std::nullopt;
-                                                         });
-  std::map<std::filesystem::path, PictureCircle> found;
+  const auto circles = ask<std::optional<SizedCircle>>(
+      strange, cameras, threads, [](PhotographEstimator& photographs, const EstimateInput& picture) {
+        const auto circle = photographs.circle_in(picture.file);
+        return circle ? std::optional(*circle) : std::nullopt;
+      });
+  std::map<std::filesystem::path, SizedCircle> found;
   for (std::size_t i = 0; i < strange.size(); ++i)
     if (circles[i]) found.emplace(strange[i].file, *circles[i]);
   memory->learn_circles(found);
 
-  std::vector<SkyPhotographOptions> with_circles = cameras;
+  std::vector<PhotographSetup> with_circles = cameras;
   for (auto& camera : with_circles) {
     camera.memory = std::make_shared<CameraMemory>(memory->without_turns());
     camera.azimuth_up.reset();
   }
-  std::vector<SkyInput> known;  // of a camera that several pictures show, or that later calls may see again
-  for (const SkyInput& picture : strange)
+  std::vector<EstimateInput> known;  // of a camera that several pictures show, or that later calls may see again
+  for (const EstimateInput& picture : strange)
     if (const auto* circle = memory->found_in(picture.file)) {
       const auto of_camera = memory->circle_of(*circle);
       if (!of_camera) continue;

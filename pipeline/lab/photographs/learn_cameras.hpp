@@ -15,8 +15,8 @@ constexpr std::size_t kMostAsked = 48;  // pictures whose air is estimated for t
 // The cameras by their pictures and by `before`. Pictures that cannot be read are skipped; they are reported when their
 // turn comes. `cameras`: EstimateInputs::cameras(). `kept`: later calls use the memory, so that a camera's only picture
 // counts, too.
-std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<SkyInput>& pictures,
-                                                  const std::vector<SkyPhotographOptions>& cameras, CameraMemory before,
+std::shared_ptr<const CameraMemory> learn_cameras(const std::vector<EstimateInput>& pictures,
+                                                  const std::vector<PhotographSetup>& cameras, CameraMemory before,
                                                   bool kept, std::size_t threads, std::size_t most_asked = kMostAsked);
 
 }  // namespace kasumi

@@ -46,7 +46,7 @@ Result<MeasuredVisibilities> read_measured_visibilities(const std::filesystem::p
   return found;
 }
 
-VisibilityCheck check_visibility(const LandmarkAir& air, double measured_m) {
+VisibilityCheck check_visibility(const ChannelExtinctions& air, double measured_m) {
   const auto& green = air.extinction();
   VisibilityCheck check;
   check.kind = green.kind;

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/result.hpp"
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 
 namespace kasumi {
 
@@ -24,7 +24,7 @@ struct VisibilityCheck {
   double sigmas = 0.0;                            // of a value: Kasumi's less measured extinction over Kasumi's sigma
   bool holds = false;                             // a bound that the measured keeps; a value within 2 sigma
 };
-VisibilityCheck check_visibility(const LandmarkAir& air, double measured_m);
+VisibilityCheck check_visibility(const ChannelExtinctions& air, double measured_m);
 // For people, each with a line break.
 std::string check_text(const VisibilityCheck& check);
 std::string checks_text(const std::vector<VisibilityCheck>& checks);  // all of them together

@@ -4,7 +4,7 @@
 #include "estimator/sky_fit/scanned_sky.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
-#include "pipeline/lab/photographs/sky_scan.hpp"
+#include "pipeline/lab/photographs/scan_readings.hpp"
 
 namespace kasumi {
 namespace {
@@ -14,10 +14,10 @@ constexpr double kScannerWhiteBalance = 0.05;
 
 }  // namespace
 
-Result<SkyScanReport> report_on_scan(const std::filesystem::path& file, const SkyPhotographOptions& options) {
-  const auto scan = read_sky_scan(file);
+Result<ScanReport> report_on_scan(const std::filesystem::path& file, const PhotographSetup& options) {
+  const auto scan = read_scan_readings(file);
   if (!scan) return fail(scan.error());
-  SkyScanReport report;
+  ScanReport report;
   report.note = scan->note;
   auto& answer = report.answer;
   const auto sun = options.sun ? *options.sun : sun_position(*options.utc, *options.site).direction;

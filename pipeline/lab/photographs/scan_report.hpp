@@ -8,13 +8,13 @@
 
 namespace kasumi {
 
-struct SkyScanReport {
-  SkyPhotographReport answer;  // without a picture
-  std::string note;            // for people: what of the table was not used; empty: nothing
+struct ScanReport {
+  PhotographReport answer;  // without a picture
+  std::string note;         // for people: what of the table was not used; empty: nothing
 };
 
 // The sun by `options`: its direction, or time and site. Errors: bad_input, of a table that is not as it should be. A
 // sky that does not determine the air is no error.
-Result<SkyScanReport> report_on_scan(const std::filesystem::path& file, const SkyPhotographOptions& options);
+Result<ScanReport> report_on_scan(const std::filesystem::path& file, const PhotographSetup& options);
 
 }  // namespace kasumi

@@ -19,8 +19,8 @@ std::shared_ptr<const HosekSky> read_hosek(const std::string& file, Problems& pr
 
 }  // namespace
 
-SkyToFit sky_to_fit(const std::string& text, double altitude_m, const GivenAir& given, Problems& problems) {
-  SkyToFit sky;
+ModelToFit model_to_fit(const std::string& text, double altitude_m, const GivenAir& given, Problems& problems) {
+  ModelToFit sky;
   sky.altitude_m = altitude_m;
   const auto hosek = text.find(kHosek);
   const std::string name = text.substr(0, hosek);
@@ -30,15 +30,15 @@ SkyToFit sky_to_fit(const std::string& text, double altitude_m, const GivenAir& 
     sky.every_model = true;
     sky.known = given;
     sky.aerosol = given.to_be_found();
-    sky.model = sky.aerosol ? SiteSkyModel::dome : SiteSkyModel::preetham;
+    sky.model = sky.aerosol ? DaylightModel::dome : DaylightModel::preetham;
     return sky;
   }
   if (hosek == std::string::npos && name == "dome") {
-    sky.model = SiteSkyModel::dome;
+    sky.model = DaylightModel::dome;
     sky.aerosol = given.to_be_found();
     return sky;
   }
-  if (hosek != std::string::npos) sky.model = SiteSkyModel::dome;  // the nearest to Hosek's where one must be drawn
+  if (hosek != std::string::npos) sky.model = DaylightModel::dome;  // the nearest to Hosek's where one must be drawn
   if (!(hosek == std::string::npos ? name == "preetham" : name.empty()))
     problems.add("--sky-model {}: expected auto, preetham, dome, hosek:FILE or auto+hosek:FILE", text);
   else if (given.any())
@@ -47,7 +47,7 @@ SkyToFit sky_to_fit(const std::string& text, double altitude_m, const GivenAir& 
   return sky;
 }
 
-std::string_view followed_model(const SkyToFit& sky) {
+std::string_view followed_model(const ModelToFit& sky) {
   return sky.hosek && !sky.every_model ? "hosek" : name_of(sky.model);
 }
 

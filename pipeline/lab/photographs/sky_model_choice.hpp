@@ -17,9 +17,9 @@ inline constexpr const char* kSkyModelWords =
 
 // `text`: as typed; empty: auto. `given`: of the aerosol, which only the dome knows. Problems: a name that is none of
 // these, a file that cannot be read, an aerosol given to a model that has none.
-SkyToFit sky_to_fit(const std::string& text, double altitude_m, const GivenAir& given, Problems& problems);
+ModelToFit model_to_fit(const std::string& text, double altitude_m, const GivenAir& given, Problems& problems);
 
 // The family of the sky to which an estimate's T belongs: "preetham", "dome" or "hosek".
-std::string_view followed_model(const SkyToFit& sky);
+std::string_view followed_model(const ModelToFit& sky);
 
 }  // namespace kasumi

@@ -47,7 +47,7 @@ bool asked_the_sky(SkyCondition sky) {
 
 }  // namespace
 
-void SkyPhotographs::place(SkyPhotographReport& report, std::optional<Utc> utc) const {
+void PhotographEstimator::place(PhotographReport& report, std::optional<Utc> utc) const {
   report.utc = utc ? utc : options_.utc;
   report.site = options_.site;
   const auto& place = report.taken.place;
@@ -65,14 +65,14 @@ void SkyPhotographs::place(SkyPhotographReport& report, std::optional<Utc> utc) 
                      options_.altitude_given ? altitude_m : place->altitude_m.value_or(altitude_m)};
 }
 
-double SkyPhotographs::altitude_m(const SkyPhotographReport& report) const {
+double PhotographEstimator::altitude_m(const PhotographReport& report) const {
   if (report.site) return report.site->altitude_m;
   // One model alone answers as it always did: for the sea's level.
   return options_.estimate.sky.every_model ? options_.estimate.sky.altitude_m : 0.0;
 }
 
-Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle,
-                                    const SkyTurn* turn) const {
+Camera PhotographEstimator::ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle,
+                                         const AzimuthFit* turn) const {
   Camera camera;
   camera.name = "sky";
   camera.width = picture.width();
@@ -90,13 +90,13 @@ Camera SkyPhotographs::ideal_camera(const Image<glm::vec3>& picture, const Image
   return camera;
 }
 
-EstimateOptions SkyPhotographs::estimate_options(const SkyPhotographReport& report) const {
+EstimateParameters PhotographEstimator::estimate_options(const PhotographReport& report) const {
   auto options = options_.estimate;
   if (report.site_by_file) options.sky.altitude_m = report.site->altitude_m;
   return options;
 }
 
-SunGiven SkyPhotographs::sun_given(const SkyPhotographReport& report, const SkyTurn* turn) const {
+SunGiven PhotographEstimator::sun_given(const PhotographReport& report, const AzimuthFit* turn) const {
   SunGiven given;
   given.from_picture = options_.sun_from_image;
   given.unknown_camera = !options_.calibrated;
@@ -111,8 +111,8 @@ SunGiven SkyPhotographs::sun_given(const SkyPhotographReport& report, const SkyT
   return given;
 }
 
-PictureCircle SkyPhotographs::circle_alone(const std::filesystem::path& file, const Photograph& photograph) const {
-  PictureCircle alone{photograph.encoded.width(), photograph.encoded.height(), std::nullopt};
+SizedCircle PhotographEstimator::circle_alone(const std::filesystem::path& file, const Photograph& photograph) const {
+  SizedCircle alone{photograph.encoded.width(), photograph.encoded.height(), std::nullopt};
   if (options_.circle)
     alone.found = FoundCircle{*options_.circle, 1.0, {}, 1.0, {}};
   else if (const auto* before = options_.memory ? options_.memory->found_in(file) : nullptr)
@@ -122,15 +122,15 @@ PictureCircle SkyPhotographs::circle_alone(const std::filesystem::path& file, co
   return alone;
 }
 
-Result<PictureCircle> SkyPhotographs::circle_in(const std::filesystem::path& file) const {
+Result<SizedCircle> PhotographEstimator::circle_in(const std::filesystem::path& file) const {
   std::string damage;
   const auto photograph = read_photograph(file, options_.allow_damaged ? &damage : nullptr);
   if (!photograph) return fail(photograph.error());
   return circle_alone(file, *photograph);
 }
 
-std::optional<ImageCircle> SkyPhotographs::placed_circle(const std::filesystem::path& file, Photograph& photograph,
-                                                         SkyPhotographReport& report) const {
+std::optional<ImageCircle> PhotographEstimator::placed_circle(const std::filesystem::path& file, Photograph& photograph,
+                                                              PhotographReport& report) const {
   report.camera_circle = circle_alone(file, photograph);
   auto& found = report.camera_circle.found;
   if (options_.memory && !options_.circle) found = options_.memory->circle_of(report.camera_circle);
@@ -144,18 +144,18 @@ std::optional<ImageCircle> SkyPhotographs::placed_circle(const std::filesystem::
   return found->horizon && !options_.field_of_view ? found->horizon : found->circle;
 }
 
-const RememberedCamera* SkyPhotographs::remembered(const SkyPhotographReport& report) const {
+const RememberedCamera* PhotographEstimator::remembered(const PhotographReport& report) const {
   const auto& [width, height, found] = report.camera_circle;
   return options_.memory && found ? options_.memory->camera_of(width, height, found->circle) : nullptr;
 }
 
-void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
-                                               SkyPhotographReport& report) {
+void PhotographEstimator::observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
+                                                    PhotographReport& report) {
   auto& estimate = report.look.estimate;
-  if (report.cover.sky == SkyClass::overcast || report.cover.sky == SkyClass::night || !report.cover.fraction) {
-    estimate.sky = report.cover.sky == SkyClass::overcast ? SkyCondition::overcast
-                   : report.cover.sky == SkyClass::night  ? SkyCondition::night
-                                                          : SkyCondition::unknown;
+  if (report.cover.sky == CoverClass::overcast || report.cover.sky == CoverClass::night || !report.cover.fraction) {
+    estimate.sky = report.cover.sky == CoverClass::overcast ? SkyCondition::overcast
+                   : report.cover.sky == CoverClass::night  ? SkyCondition::night
+                                                            : SkyCondition::unknown;
     estimate.reason = report.cover.fraction ? fmt::format("{}: {:.0f} % of the sky is cloud", name_of(report.cover.sky),
                                                           100.0 * *report.cover.fraction)
                                             : report.cover.reason;
@@ -177,13 +177,13 @@ void SkyPhotographs::observe_by_unknown_camera(const std::filesystem::path& file
                             known ? known->tones + (known->told.contains(file) ? 0 : 1) : 1};
 }
 
-bool SkyPhotographs::answer_by_night(const SunGiven& given, SkyPhotographReport& report) const {
+bool PhotographEstimator::answer_by_night(const SunGiven& given, PhotographReport& report) const {
   if (given.from_picture || !given.direction) return false;
   const auto refused = refuse_by_sun(*given.direction, estimate_options(report));
   if (!refused || refused->sky != SkyCondition::night) return false;
   report.look.estimate.sky = refused->sky;
   report.look.estimate.reason = report.cover.reason = refused->reason;
-  report.cover.sky = SkyClass::night;
+  report.cover.sky = CoverClass::night;
   report.cover.confidence = kNightByTime;
   report.sun.direction = report.sun.by_time_and_place = given.direction;
   report.sun.in_camera = *given.direction;
@@ -192,16 +192,16 @@ bool SkyPhotographs::answer_by_night(const SunGiven& given, SkyPhotographReport&
   return true;
 }
 
-Result<SkyPhotographReport> SkyPhotographs::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
-  SkyPhotographReport report;
+Result<PhotographReport> PhotographEstimator::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
+  PhotographReport report;
   auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr, &report.taken);
   if (!photograph) return fail(photograph.error());
   return estimate_of(file, std::move(*photograph), std::move(report), utc);
 }
 
-std::optional<SkyPhotographReport> SkyPhotographs::estimate_from_stack(const std::vector<std::filesystem::path>& files,
-                                                                       std::optional<Utc> utc) {
-  SkyPhotographReport report;
+std::optional<PhotographReport> PhotographEstimator::estimate_from_stack(
+    const std::vector<std::filesystem::path>& files, std::optional<Utc> utc) {
+  PhotographReport report;
   std::vector<Photograph> exposures;
   for (const auto& file : files) {
     TakenAt taken;
@@ -221,12 +221,12 @@ std::optional<SkyPhotographReport> SkyPhotographs::estimate_from_stack(const std
   return answer ? std::optional(std::move(*answer)) : std::nullopt;
 }
 
-Result<SkyPhotographReport> SkyPhotographs::estimate_of(const std::filesystem::path& file, Photograph photograph,
-                                                        SkyPhotographReport report, std::optional<Utc> utc) {
+Result<PhotographReport> PhotographEstimator::estimate_of(const std::filesystem::path& file, Photograph photograph,
+                                                          PhotographReport report, std::optional<Utc> utc) {
   report.tone = options_.tone;
   place(report, utc);
   auto& estimate = report.look.estimate;
-  const SkyTurn* turn = nullptr;
+  const AzimuthFit* turn = nullptr;
 
   if (options_.calibrated) {
     if (!observer_) observer_.emplace(*options_.calibrated);

@@ -20,7 +20,7 @@
 namespace kasumi {
 
 // How to read photographs: with a calibration file, or as an ideal fisheye that looks up.
-struct SkyPhotographOptions {
+struct PhotographSetup {
   std::optional<Camera> calibrated;  // [sky] of a calibration file
   std::optional<Site> site;          // [site] of it, or --lat --lon
 
@@ -43,11 +43,11 @@ struct SkyPhotographOptions {
   bool sun_from_image = false;
   bool allow_damaged = false;  // pictures: what is left of them is used
 
-  EstimateOptions estimate;
+  EstimateParameters estimate;
 };
 
-struct SkyPhotographReport {
-  SkyObservation look;
+struct PhotographReport {
+  TurbidityObservation look;
   std::optional<SkyPicture> picture;          // empty when no camera could be determined
   std::optional<AirState> air;                // of a usable estimate
   std::optional<AirQuality> quality;          // of that air
@@ -58,7 +58,7 @@ struct SkyPhotographReport {
   double circle_confidence = 1.0;             // that it is within 2 %; 1 where it is given
   double pixel_aspect = 1.0;                  // width of a pixel over its height
   bool mirrored = false;                      // turned over, left to right, by what the memory knows
-  PictureCircle camera_circle;                // the same circle, for the memory
+  SizedCircle camera_circle;                  // the same circle, for the memory
   CloudCover cover;                           // given whether or not the air is
   std::optional<ToneCurve> tone;              // that was undone
   TakenAt taken;                              // what the file says
@@ -71,39 +71,39 @@ struct SkyPhotographReport {
 };
 
 // Estimates one picture after the other and keeps what depends only on the camera. Not thread-safe.
-class SkyPhotographs {
+class PhotographEstimator {
  public:
-  explicit SkyPhotographs(SkyPhotographOptions options) : options_(std::move(options)) {}
+  explicit PhotographEstimator(PhotographSetup options) : options_(std::move(options)) {}
   // Errors: bad_input (unreadable or damaged picture, size other than the calibration's). A picture without usable sky
   // is no error: its estimate gives the reason.
-  Result<SkyPhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
+  Result<PhotographReport> estimate_from(const std::filesystem::path& file, std::optional<Utc> utc);
   // Of pictures taken within seconds, those that can be read as one picture, under the name of their first; empty: they
   // are no exposures of one sky (merge_exposures()).
-  std::optional<SkyPhotographReport> estimate_from_stack(const std::vector<std::filesystem::path>& files,
-                                                         std::optional<Utc> utc);
+  std::optional<PhotographReport> estimate_from_stack(const std::vector<std::filesystem::path>& files,
+                                                      std::optional<Utc> utc);
   // The circle that is given or found in a picture alone. Errors: bad_input (unreadable or damaged picture).
-  Result<PictureCircle> circle_in(const std::filesystem::path& file) const;
+  Result<SizedCircle> circle_in(const std::filesystem::path& file) const;
 
  private:
-  Result<SkyPhotographReport> estimate_of(const std::filesystem::path& file, Photograph photograph,
-                                          SkyPhotographReport report, std::optional<Utc> utc);
+  Result<PhotographReport> estimate_of(const std::filesystem::path& file, Photograph photograph,
+                                       PhotographReport report, std::optional<Utc> utc);
   // Time and place of the call, else the file's, where the sun follows from them.
-  void place(SkyPhotographReport& report, std::optional<Utc> utc) const;
-  double altitude_m(const SkyPhotographReport& report) const;
-  EstimateOptions estimate_options(const SkyPhotographReport& report) const;
-  SunGiven sun_given(const SkyPhotographReport& report, const SkyTurn* turn) const;
+  void place(PhotographReport& report, std::optional<Utc> utc) const;
+  double altitude_m(const PhotographReport& report) const;
+  EstimateParameters estimate_options(const PhotographReport& report) const;
+  SunGiven sun_given(const PhotographReport& report, const AzimuthFit* turn) const;
   // Whether it is night by time and place; the report then says so.
-  bool answer_by_night(const SunGiven& given, SkyPhotographReport& report) const;
-  PictureCircle circle_alone(const std::filesystem::path& file, const Photograph& photograph) const;
+  bool answer_by_night(const SunGiven& given, PhotographReport& report) const;
+  SizedCircle circle_alone(const std::filesystem::path& file, const Photograph& photograph) const;
   // Finds the circle where none is given and makes pixels square; empty: no picture of a fisheye.
   std::optional<ImageCircle> placed_circle(const std::filesystem::path& file, Photograph& photograph,
-                                           SkyPhotographReport& report) const;
-  const RememberedCamera* remembered(const SkyPhotographReport& report) const;
+                                           PhotographReport& report) const;
+  const RememberedCamera* remembered(const PhotographReport& report) const;
   void observe_by_unknown_camera(const std::filesystem::path& file, const SkyPicture& picture,
-                                 SkyPhotographReport& report);
-  Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle, const SkyTurn* turn) const;
+                                 PhotographReport& report);
+  Camera ideal_camera(const Image<glm::vec3>& picture, const ImageCircle& circle, const AzimuthFit* turn) const;
 
-  SkyPhotographOptions options_;
+  PhotographSetup options_;
   std::optional<ImageCircle> observed_circle_;
   std::optional<SkyObserver> observer_;
 };

@@ -16,12 +16,12 @@ constexpr double kThickest_per_m = 1.0;
 
 }  // namespace
 
-std::vector<ToldAir> air_by_landmarks(const SceneViews& scene) {
+std::vector<AirByOthers> air_by_landmarks(const ProofInputs& scene) {
   const LandmarkWatch watch(scene.camera, scene.altitude_m, scene.others);
   std::vector<std::vector<ContrastReading>> readings;
   for (const auto& view : scene.views) readings.push_back(view.readings);
   const auto found = watch.estimate_all(readings);
-  std::vector<ToldAir> airs(found.size());
+  std::vector<AirByOthers> airs(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     for (int c = 0; c < 3; ++c) {
       const auto& channel = found[i].channels[static_cast<std::size_t>(c)];
@@ -37,7 +37,7 @@ std::vector<ToldAir> air_by_landmarks(const SceneViews& scene) {
   return airs;
 }
 
-Result<std::vector<ToldAir>> air_by_table(const SceneViews& scene, const std::filesystem::path& file) {
+Result<std::vector<AirByOthers>> air_by_table(const ProofInputs& scene, const std::filesystem::path& file) {
   Problems problems;
   const auto table = CsvTable::read(file, problems);
   const auto utc = table.column("utc"), green = table.column("extinction_g_per_m");
@@ -46,7 +46,7 @@ Result<std::vector<ToldAir>> air_by_table(const SceneViews& scene, const std::fi
   if (problems.empty() && (!utc || !green))
     problems.add("{}: expected columns utc and extinction_g_per_m", file.string());
   if (!problems.empty()) return fail(problems.fault());
-  std::vector<std::pair<Utc, ToldAir>> rows;
+  std::vector<std::pair<Utc, AirByOthers>> rows;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const auto time = parse_utc(table.text(row, *utc));
     if (!time)
@@ -55,14 +55,14 @@ Result<std::vector<ToldAir>> air_by_table(const SceneViews& scene, const std::fi
     const auto read = [&](const std::optional<std::size_t>& column, double instead) {
       return column ? table.number(row, *column, 0.0, kThickest_per_m, problems).value_or(instead) : instead;
     };
-    ToldAir air;
+    AirByOthers air;
     const double g = read(green, 0.0);
     air.per_m = {read(red, g), g, read(blue, g)};
     air.sigma_per_m = sigma ? glm::dvec3(read(sigma, 0.0)) : kUsualSigma * air.per_m;
     if (time) rows.emplace_back(*time, air);
   }
   if (!problems.empty()) return fail(problems.fault());
-  std::vector<ToldAir> airs;
+  std::vector<AirByOthers> airs;
   for (const auto& view : scene.views) {
     airs.push_back({{}, {}, "the table of the air has no line for that time"});
     if (!view.utc || rows.empty()) continue;

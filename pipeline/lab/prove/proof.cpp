@@ -25,19 +25,19 @@ constexpr double kAlikeShare = 0.25;  // of the clear pictures in the shade
 using Day = std::chrono::sys_days;
 
 // Where no time is known each picture is a day of its own.
-Day day_of(const SceneViews& scene, std::size_t view) {
+Day day_of(const ProofInputs& scene, std::size_t view) {
   const auto& utc = scene.views[view].utc;
   return utc ? std::chrono::floor<std::chrono::days>(*utc) : Day{} - std::chrono::days(1 + static_cast<int>(view));
 }
 
-glm::dvec3 encoded_255(const SceneViews& scene, const glm::dvec3& light) {
+glm::dvec3 encoded_255(const ProofInputs& scene, const glm::dvec3& light) {
   const auto& box = scene.part.surface;
   const glm::dvec2 middle{box.x + 0.5 * box.width, box.y + 0.5 * box.height};
   const auto seen = light * scene.camera.white_balance * scene.camera.vignetting.at(middle);
   return 255.0 * glm::clamp(scene.camera.response.to_encoded(seen), 0.0, 1.0);
 }
 
-std::string class_of(const ProofView& view, const ProvedPicture& picture) {
+std::string class_of(const ProofView& view, const ProofEntry& picture) {
   if (!view.label.empty()) return view.label;
   if (picture.sun_elevation_deg && *picture.sun_elevation_deg < kLowSun_deg) return "low sun";
   if (!picture.air.unknown.empty()) return "unknown";
@@ -45,7 +45,7 @@ std::string class_of(const ProofView& view, const ProvedPicture& picture) {
   return std::string(name_of(weather_class(std::max(0.0, picture.air.per_m.g - molecules))));
 }
 
-void place_sun(const SceneViews& scene, const ProveRequest& request, const ProofView& view, ProvedPicture& picture) {
+void place_sun(const ProofInputs& scene, const ProveRequest& request, const ProofView& view, ProofEntry& picture) {
   if (!scene.site || !view.utc) return;
   const auto sun = sun_position(*view.utc, *scene.site);
   const double elevation = 90.0 - to_degrees(sun.zenith), azimuth = to_degrees(sun.azimuth);
@@ -57,7 +57,7 @@ void place_sun(const SceneViews& scene, const ProveRequest& request, const Proof
   picture.sunlit = std::max(0.0, incidence);
 }
 
-std::string why_left_out(const ProofView& view, const ProvedPicture& picture) {
+std::string why_left_out(const ProofView& view, const ProofEntry& picture) {
   if (picture.sun_elevation_deg && *picture.sun_elevation_deg < kNight_deg)
     return fmt::format("night: the sun stands {:.1f} deg high", *picture.sun_elevation_deg);
   if (!view.unusable.empty()) return view.unusable;
@@ -71,9 +71,9 @@ std::string why_left_out(const ProofView& view, const ProvedPicture& picture) {
 }
 
 // The pictures with the least air before the facade.
-void choose_clear(const SceneViews& scene, std::vector<ProvedPicture>& pictures) {
+void choose_clear(const ProofInputs& scene, std::vector<ProofEntry>& pictures) {
   std::vector<double> depths;
-  const auto may_measure = [](const ProvedPicture& picture) {
+  const auto may_measure = [](const ProofEntry& picture) {
     return picture.left_out.empty() && picture.sun_elevation_deg.value_or(90.0) >= kLowSun_deg;
   };
   for (const auto& picture : pictures)
@@ -84,9 +84,9 @@ void choose_clear(const SceneViews& scene, std::vector<ProvedPicture>& pictures)
 }
 
 // Between the suns of two pictures, degrees; 0 where no place is known.
-double apart(const ProvedPicture& one, const ProvedPicture& other) {
+double apart(const ProofEntry& one, const ProofEntry& other) {
   if (!one.sun_elevation_deg || !other.sun_elevation_deg) return 0.0;
-  const auto towards = [](const ProvedPicture& picture) {
+  const auto towards = [](const ProofEntry& picture) {
     return direction_from(from_degrees(90.0 - *picture.sun_elevation_deg), from_degrees(*picture.sun_azimuth_deg));
   };
   return to_degrees(angle_between(towards(one), towards(other)));
@@ -94,7 +94,7 @@ double apart(const ProvedPicture& one, const ProvedPicture& other) {
 
 class Painter {
  public:
-  Painter(const SceneViews& scene, const std::vector<ProvedPicture>& pictures) : scene_(scene) {
+  Painter(const ProofInputs& scene, const std::vector<ProofEntry>& pictures) : scene_(scene) {
     for (const auto& picture : pictures) {
       const auto& view = scene.views[picture.view];
       FacadeView one;
@@ -119,7 +119,7 @@ class Painter {
  private:
   // By the clear pictures of other days; in the shade by those whose sun stood most like the picture's, since where the
   // sun stands the horizon is brighter, and glass shows another part of the sky. Null: by all.
-  std::optional<Facade> measured_for(const std::vector<ProvedPicture>& pictures, const ProvedPicture* one) const {
+  std::optional<Facade> measured_for(const std::vector<ProofEntry>& pictures, const ProofEntry* one) const {
     std::vector<const FacadeView*> lit;
     std::vector<std::pair<double, const FacadeView*>> shaded;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -138,13 +138,13 @@ class Painter {
     return measure_facade(lit);
   }
 
-  const SceneViews& scene_;
+  const ProofInputs& scene_;
   std::vector<FacadeView> views_;
   std::vector<std::optional<Facade>> facades_;
   std::optional<Facade> whole_;
 };
 
-glm::dvec3 fixed_depth(const SceneViews& scene) {
+glm::dvec3 fixed_depth(const ProofInputs& scene) {
   const auto nodes = attenuation_nodes(spectral_measure(scene.camera));
   return scene.part.distance_m * model_extinction_per_m(nodes, ScatteringModel::morales2017,
                                                         Turbidity{kPapersTurbidity}, scene.altitude_m,
@@ -152,7 +152,7 @@ glm::dvec3 fixed_depth(const SceneViews& scene) {
 }
 
 // The depth, by channel, under which the median of the judged pictures' differences is least.
-glm::dvec3 constant_depth(const Painter& painter, const std::vector<ProvedPicture>& pictures) {
+glm::dvec3 constant_depth(const Painter& painter, const std::vector<ProofEntry>& pictures) {
   constexpr int kSteps = 80;
   constexpr double kLeast = 0.005, kMost = 5.0;
   glm::dvec3 best{0.0}, least{1e9};
@@ -175,7 +175,7 @@ glm::dvec3 constant_depth(const Painter& painter, const std::vector<ProvedPictur
   return best;
 }
 
-void judge(const SceneViews& scene, const Painter& painter, std::size_t i, ProvedPicture& picture) {
+void judge(const ProofInputs& scene, const Painter& painter, std::size_t i, ProofEntry& picture) {
   const auto& facade = painter.facade_of(i);
   const auto& view = painter.view(i);
   if (!facade && picture.left_out.empty()) picture.left_out = "too few clear pictures of other days";
@@ -215,17 +215,17 @@ std::string_view name_of(ProofWay way) {
   return "told";
 }
 
-double ProvedPicture::error_255(ProofWay way) const {
+double ProofEntry::error_255(ProofWay way) const {
   const auto off = glm::abs(drawn_by(way) - seen_255);
   return (off.r + off.g + off.b) / 3.0;
 }
 
 Result<Proof> prove(const ProveRequest& request) {
-  auto scene = read_scene_views(request);
+  auto scene = read_proof_inputs(request);
   if (!scene) return fail(scene.error());
   Proof proof;
   proof.scene = std::move(*scene);
-  std::vector<ToldAir> airs;
+  std::vector<AirByOthers> airs;
   if (request.air.empty()) {
     airs = air_by_landmarks(proof.scene);
   } else {
@@ -234,7 +234,7 @@ Result<Proof> prove(const ProveRequest& request) {
     airs = std::move(*table);
   }
   for (std::size_t i = 0; i < airs.size(); ++i) {
-    ProvedPicture picture;
+    ProofEntry picture;
     picture.view = i;
     picture.air = std::move(airs[i]);
     const auto& view = proof.scene.views[i];

@@ -9,7 +9,7 @@
 
 #include "base/result.hpp"
 #include "pipeline/lab/prove/air_by_others.hpp"
-#include "pipeline/lab/prove/scene_views.hpp"
+#include "pipeline/lab/prove/proof_inputs.hpp"
 
 namespace kasumi {
 
@@ -19,14 +19,14 @@ inline constexpr std::array kProofWays{ProofWay::told, ProofWay::no_air, ProofWa
 std::string_view name_of(ProofWay way);  // "told", "no_air", "fixed_t3", "best_constant"
 constexpr double kPapersTurbidity = 3.0;
 
-struct ProvedPicture {
-  std::size_t view = 0;   // in SceneViews
+struct ProofEntry {
+  std::size_t view = 0;   // in ProofInputs
   std::string air_class;  // of the list, or by the estimated air and the sun
   std::string left_out;   // why it is not judged; empty: it is
   bool clear = false;     // one of those that measure the facade, for the pictures of other days
   double sunlit = 0.0;    // cosine of the sun's incidence on the facade; 0: it is in the shade, or no place is known
   std::optional<double> sun_elevation_deg, sun_azimuth_deg;
-  ToldAir air;
+  AirByOthers air;
   bool drawn = false;  // a facade was measured on other days
   // The facade's mean light as the camera encodes it, in 255ths.
   glm::dvec3 seen_255{0.0}, sigma_255{0.0};
@@ -40,15 +40,15 @@ struct ProvedPicture {
 };
 
 struct Proof {
-  SceneViews scene;
-  std::vector<ProvedPicture> pictures;                // one for each view
+  ProofInputs scene;
+  std::vector<ProofEntry> pictures;                   // one for each view
   int shaded_views = 0, lit_views = 0;                // that the facade was measured in
   glm::dvec3 shade{0.0}, shade_sigma{0.0}, lit{0.0};  // its mean L0 / Linf, by all clear days
   glm::dvec3 fixed_depth{0.0}, constant_per_m{0.0};
   std::vector<std::string> remarks;
 };
 
-// Errors (bad_input): read_scene_views'; too few clear pictures.
+// Errors (bad_input): read_proof_inputs'; too few clear pictures.
 Result<Proof> prove(const ProveRequest& request);
 
 }  // namespace kasumi

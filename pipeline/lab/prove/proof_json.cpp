@@ -32,7 +32,7 @@ Json errors_json(const std::array<ErrorSummary, kProofWays.size()>& ways) {
   return json;
 }
 
-Json picture_json(const Proof& proof, const ProvedPicture& picture) {
+Json picture_json(const Proof& proof, const ProofEntry& picture) {
   const auto& view = proof.scene.views[picture.view];
   Json json{{"file", view.file.string()},
             {"utc", view.utc ? Json(utc_text(*view.utc)) : Json(nullptr)},

@@ -21,13 +21,13 @@ Image<Rgb8> enlarged(const Image<Rgb8>& picture) {
 }
 
 // From the least extinction to the most.
-std::vector<const ProvedPicture*> chosen(const Proof& proof) {
-  std::vector<const ProvedPicture*> judged;
+std::vector<const ProofEntry*> chosen(const Proof& proof) {
+  std::vector<const ProofEntry*> judged;
   for (const auto& picture : proof.pictures)
     if (picture.judged()) judged.push_back(&picture);
   std::ranges::stable_sort(judged, {}, [](const auto* picture) { return picture->air.per_m.g; });
   if (judged.size() <= kMostPictures) return judged;
-  std::vector<const ProvedPicture*> some;
+  std::vector<const ProofEntry*> some;
   for (std::size_t k = 0; k < kMostPictures; ++k) some.push_back(judged[k * (judged.size() - 1) / (kMostPictures - 1)]);
   return some;
 }

@@ -31,7 +31,7 @@ std::array<ErrorSummary, kProofWays.size()> all_ways(const Proof& proof, Which w
 
 ProofSummary summary_of(const Proof& proof) {
   ProofSummary summary;
-  const auto judged = [](const ProvedPicture& picture) { return picture.judged(); };
+  const auto judged = [](const ProofEntry& picture) { return picture.judged(); };
   summary.ways = all_ways(proof, judged);
   summary.with_left_out = errors_of(proof, ProofWay::told, [](const auto& picture) { return picture.drawn; });
   std::array<std::vector<double>, 3> bias;

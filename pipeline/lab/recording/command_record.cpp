@@ -19,7 +19,7 @@ struct RecordArguments {
   std::uint64_t keep_free = RecordingLimits{}.keep_free;
 };
 
-void print(const char* name, const RecordedCamera& camera) {
+void print(const char* name, const RecordedStream& camera) {
   const auto& health = camera.health;
   fmt::print("{}: {} rows; {} good frames, {} dropped by the driver", name, camera.rows, health.good_frames,
              health.sequence_gaps);

@@ -7,7 +7,7 @@
 namespace kasumi {
 
 Result<LightTerms> LightTerms::create(GlContext& context, const Installation& installation, const Model& model,
-                                      SceneAirOptions air, Mixing mixing) {
+                                      AirRendering air, Mixing mixing) {
   air.black_object = true;
   auto in_air = Compositor::create(context, installation, model, SceneAir(installation, air), {.mixing = mixing});
   if (!in_air) return fail(in_air.error());

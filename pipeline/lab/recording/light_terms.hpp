@@ -15,7 +15,7 @@ class LightTerms {
  public:
   // Errors: those of Compositor::create and Offscreen::create.
   static Result<LightTerms> create(GlContext& context, const Installation& installation, const Model& model,
-                                   SceneAirOptions air, Mixing mixing);
+                                   AirRendering air, Mixing mixing);
 
   // `picture`: of this frame, as the compositor drew it. Writes FOLDER/frame-NUMBER.airlight.png and .direct.png, 16
   // bits, in the camera's encoding: in linear light they add up to it. Errors: those of Compositor::draw, io.

@@ -19,13 +19,13 @@ struct RecordRequest {
   RecordingLimits limits;
 };
 
-struct RecordedCamera {
+struct RecordedStream {
   int rows = 0;  // frames and outages
   CameraHealth health;
 };
 
 struct RecordSummary {
-  RecordedCamera sky, scene;
+  RecordedStream sky, scene;
   std::uint64_t bytes = 0;
   Duration lasted{};
   std::string ended;   // why: "60 s recorded"

@@ -126,7 +126,7 @@ Result<std::unique_ptr<Recording>> Recording::create(const std::filesystem::path
   if (auto written = write_text_file(folder / "fixture.toml", text); !written) return fail(written.error());
 
   // A live camera's frames all differ, and searching for equal ones would keep each in memory.
-  const FixtureWriterOptions options{.share_equal_payloads = false};
+  const PayloadRules options{.share_equal_payloads = false};
   auto sky = FixtureWriter::create(folder / "sky", options);
   if (!sky) return fail(sky.error());
   auto scene = FixtureWriter::create(folder / "scene", options);

@@ -133,7 +133,7 @@ class Run {
     LatestSlot<Sight> sights;
     std::atomic<bool> stopping = false;
     std::thread sky([&] {
-      SkyAbove above;
+      DaylightState above;
       while (!stopping && sources.sky->due()) {
         if (const auto sight = sights.take()) air_.look(*sight, above);
         if (auto report = air_.observe_sky(sources.sky->next(clock.now() + 500ms))) {
@@ -235,7 +235,7 @@ class Run {
   Result<> draw_overlay(const DrawTarget& target) {
     if (overlay_)
       if (auto drawn = overlay_->draw(target); !drawn) return drawn;
-    const MessageOptions letters;
+    const MessageStyle letters;
     const auto hour = hour_of(request_.view, latest_.utc, site_, {});  // recordings name no time zone
     return then_and_now_.draw(
         output_.context(), hand_view(request_.wipe, latest_, letters.language, request_.view, hour), letters, target);

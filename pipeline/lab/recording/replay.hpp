@@ -19,7 +19,7 @@ struct ReplayRequest {
   bool window = false;
   bool realtime = false;  // at the recorded pace; the sky then runs in a thread of its own, as in the appliance
   std::optional<std::size_t> frames;  // stop after so many pictures
-  SceneAirOptions air;
+  AirRendering air;
   GivenAir given = {};  // takes precedence over the air in the fixture's [site]
   bool terms = false;   // next to each picture of a folder its airlight and its direct transmission
   double wipe = 0.0;    // left of this share of the width the camera's picture alone

@@ -6,7 +6,7 @@ namespace kasumi {
 
 using namespace std::chrono_literals;
 
-SkyAbove above_in(const SkyReport& report) {
+DaylightState above_in(const SkyReport& report) {
   const bool sun_known = report.sun.source != SunSource::none;
   return {sun_known ? std::optional(report.sun.direction) : std::nullopt, report.estimate.sky};
 }
@@ -24,9 +24,9 @@ ReplayedAir::ReplayedAir(const Installation& installation)
       scene_watch_(installation),
       scene_encoding_(installation.scene.yuv_encoding) {
   const auto& around = installation.surroundings;
-  TrackerOptions options;
+  TrackerLimits options;
   options.like = around.air.to_be_found();
-  if (around.sky_model == SiteSkyModel::preetham && !around.air.whole()) papers_.emplace(std::move(options));
+  if (around.sky_model == DaylightModel::preetham && !around.air.whole()) papers_.emplace(std::move(options));
 }
 
 void ReplayedAir::follow(SkyReport& report, Instant when) const {
@@ -67,7 +67,7 @@ std::optional<Sight> ReplayedAir::sight_due(const Result<Frame>& frame) {
   return Sight{when, frame->metadata.utc, to_rgb(picture->view())};
 }
 
-void ReplayedAir::look(const Sight& sight, const SkyAbove& above) {
+void ReplayedAir::look(const Sight& sight, const DaylightState& above) {
   watch_.observe(scene_watch_.look(view_of(sight.picture), sight.when, above).air);
   if (!papers_) curve_.add(sight.utc, *watch_.with_air({}, sight.when).air);
 }

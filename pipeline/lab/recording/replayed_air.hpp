@@ -22,7 +22,7 @@ struct Sight {
   Image<Rgb8> picture;
 };
 
-SkyAbove above_in(const SkyReport& report);
+DaylightState above_in(const SkyReport& report);
 // Until the sky camera's first picture comes, the frame's own time determines the sun, as the sky's will.
 void place_sun(SkyReport& report, Utc utc, const Site& site);
 
@@ -43,7 +43,7 @@ class ReplayedAir {
 
   // The steps of it, where sky and scene play side by side: sight_due() is the scene's, the others are the sky's.
   std::optional<Sight> sight_due(const Result<Frame>& frame);  // once in a minute of recorded time
-  void look(const Sight& sight, const SkyAbove& above);
+  void look(const Sight& sight, const DaylightState& above);
   std::optional<SkyReport> observe_sky(Result<Frame> frame);
 
   const TurbidityTable& table() const { return table_; }

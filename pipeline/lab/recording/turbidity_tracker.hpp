@@ -9,7 +9,7 @@
 namespace kasumi {
 
 // Numbers without a unit are in ln(T - 1): 0.1 is a tenth more or less haze.
-struct TrackerOptions {
+struct TrackerLimits {
   double drift_per_root_hour = 0.2;  // standard deviation after an hour without an estimate
   // A usable estimate farther off than this many sigmas, and than the smallest difference, is doubted until this many
   // in a row agree over at least this time: then the air has changed. A bird passes quickly, weather does not.
@@ -27,7 +27,7 @@ struct TrackerOptions {
 // before the last one counts as no time passed.
 class TurbidityTracker {
  public:
-  explicit TurbidityTracker(TrackerOptions options = {}) : options_(options) {}
+  explicit TurbidityTracker(TrackerLimits options = {}) : options_(options) {}
 
   // Accepts an estimate, or rejects it (unusable, not finite, or a lone outlier).
   enum class Verdict { taken, unusable, outlier, restarted };
@@ -46,7 +46,7 @@ class TurbidityTracker {
   double shown_at(Instant when) const;
   double variance_at(Instant when) const;
 
-  TrackerOptions options_;
+  TrackerLimits options_;
   std::optional<State> state_;
   struct Doubt {
     double value = 0.0;

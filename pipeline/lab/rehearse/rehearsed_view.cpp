@@ -84,7 +84,7 @@ RehearsedView::~RehearsedView() = default;
 
 Result<RehearsedView> RehearsedView::create(GlContext& context, const Installation& installation, const Model& model,
                                             Turbidity air) {
-  SceneAirOptions options;
+  AirRendering options;
   options.turbidity = air;
   auto compositor = Compositor::create(context, installation, model, options);
   if (!compositor) return fail(compositor.error());

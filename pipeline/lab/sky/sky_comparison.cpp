@@ -10,15 +10,15 @@
 
 namespace kasumi {
 
-SkyFlaws flaws_of(SkyKind kind, Turbidity turbidity, const SunDirection& sun, const SunDirection& low_sun) {
-  SkyRequest request;
+FormulaFlaws flaws_of(SkyKind kind, Turbidity turbidity, const SunDirection& sun, const SunDirection& low_sun) {
+  DomeRequest request;
   request.kind = kind;
   request.turbidity = turbidity;
   request.sun = sun;
-  SkyFlaws flaws;
+  FormulaFlaws flaws;
   flaws.kind = kind;
 
-  const SkyPainter painter(sky_scene(request));
+  const DomePainter painter(sky_scene(request));
   const auto luminance = [&](double from_sun_deg) {
     const Direction view = direction_from(zenith_angle(sun), azimuth_angle(sun) + from_degrees(from_sun_deg));
     return sky_text::luminance_of(painter.sky(view));
@@ -28,7 +28,7 @@ SkyFlaws flaws_of(SkyKind kind, Turbidity turbidity, const SunDirection& sun, co
   flaws.band = darkest / luminance(180.0);
 
   request.sun = low_sun;
-  const glm::dvec3 xyz = glm::inverse(xyz_to_linear_srgb()) * SkyPainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
+  const glm::dvec3 xyz = glm::inverse(xyz_to_linear_srgb()) * DomePainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
   const double sum = std::max(xyz.x + xyz.y + xyz.z, 1e-9);
   flaws.zenith_x = xyz.x / sum;
   flaws.zenith_y = xyz.y / sum;

@@ -8,7 +8,7 @@
 
 namespace kasumi {
 
-struct SkyFlaws {
+struct FormulaFlaws {
   SkyKind kind = SkyKind::dome;
   // The dark band: the darkest luminance along a circle around the zenith over that opposite the sun; 1: none.
   double band = 1.0;
@@ -17,6 +17,6 @@ struct SkyFlaws {
   double zenith_luminance = 0.0;  // cd/m2
 };
 // band: along the sun's own circle around the zenith, where it stands at `sun`; the zenith: under the sun of `low_sun`.
-SkyFlaws flaws_of(SkyKind kind, Turbidity turbidity, const SunDirection& sun, const SunDirection& low_sun);
+FormulaFlaws flaws_of(SkyKind kind, Turbidity turbidity, const SunDirection& sun, const SunDirection& low_sun);
 
 }  // namespace kasumi

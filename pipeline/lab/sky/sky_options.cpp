@@ -16,10 +16,10 @@ bool within(double value, double low, double high) {
   return value >= low && value <= high;  // false for NaN
 }
 
-void read_size(const SkyOptions& options, SkyCamera& camera, Problems& problems) {
+void read_size(const SkyOptions& options, Viewpoint& camera, Problems& problems) {
   if (options.size.empty()) {
-    if (camera.projection == SkyProjection::fisheye) camera.width = camera.height = 900;
-    if (camera.projection == SkyProjection::equirectangular) camera.width = 2 * camera.height;
+    if (camera.projection == PanoramaProjection::fisheye) camera.width = camera.height = 900;
+    if (camera.projection == PanoramaProjection::equirectangular) camera.width = 2 * camera.height;
     return;
   }
   char rest = 0;
@@ -28,8 +28,8 @@ void read_size(const SkyOptions& options, SkyCamera& camera, Problems& problems)
     problems.add("--size {}: expected WIDTHxHEIGHT, each 16 to 8192 pixels, like 1280x720", options.size);
 }
 
-void read_camera(const SkyOptions& options, SkyCamera& camera, Problems& problems) {
-  if (const auto projection = sky_projection_named(options.projection))
+void read_camera(const SkyOptions& options, Viewpoint& camera, Problems& problems) {
+  if (const auto projection = panorama_projection_named(options.projection))
     camera.projection = *projection;
   else
     problems.add("--projection {}: expected fisheye, perspective or equirectangular", options.projection);
@@ -44,7 +44,7 @@ void read_camera(const SkyOptions& options, SkyCamera& camera, Problems& problem
   camera.pitch_deg = options.pitch_deg;
 }
 
-void read_sun(const SkyOptions& options, SkyTask& task, Problems& problems) {
+void read_sun(const SkyOptions& options, DrawingTask& task, Problems& problems) {
   if (!options.site.empty()) {
     if (options.site.size() == 2 && within(options.site[0], -90.0, 90.0) && within(options.site[1], -180.0, 180.0)) {
       Site site;
@@ -78,7 +78,7 @@ void read_sun(const SkyOptions& options, SkyTask& task, Problems& problems) {
   }
 }
 
-void check_outputs(const SkyOptions& options, const SkyTask& task, Problems& problems) {
+void check_outputs(const SkyOptions& options, const DrawingTask& task, Problems& problems) {
   if (options.out.empty() && options.sheet.empty() && options.day.empty() && options.compare.empty() && !options.window)
     problems.add("expected --out, --sheet, --day, --compare or --window");
   if (options.sheet.empty() && task.turbidities.size() * task.altitudes_m.size() > 1)
@@ -100,8 +100,8 @@ void check_outputs(const SkyOptions& options, const SkyTask& task, Problems& pro
 
 }  // namespace
 
-Result<SkyTask> sky_task(const SkyOptions& options) {
-  SkyTask task;
+Result<DrawingTask> sky_task(const SkyOptions& options) {
+  DrawingTask task;
   Problems problems;
   const GivenAir given = options.aerosol.given();
   if (!options.turbidities.empty() && !options.aods.empty())
@@ -127,7 +127,7 @@ Result<SkyTask> sky_task(const SkyOptions& options) {
     problems.add("--model {}: expected dome, preetham1999, hoffman-preetham2002 or nielsen2003", options.model);
   if (!within(options.exposure_ev, -20.0, 20.0))
     problems.add("--exposure-ev {:g}: expected -20 to 20", options.exposure_ev);
-  if (options.terrain && task.camera.projection == SkyProjection::fisheye)
+  if (options.terrain && task.camera.projection == PanoramaProjection::fisheye)
     problems.add("--terrain: a fisheye that looks up sees none; expected another --projection");
   if (options.terrain && task.sky.kind == SkyKind::preetham1999)
     problems.add("--terrain: preetham1999 is here for its sky alone; expected another --model");

@@ -8,7 +8,7 @@
 #include "base/result.hpp"
 #include "calib/camera.hpp"
 #include "pipeline/air_options.hpp"
-#include "pipeline/lab/sky/sky_drawing.hpp"
+#include "pipeline/lab/sky/dome_drawing.hpp"
 
 namespace kasumi {
 
@@ -23,16 +23,16 @@ struct SkyOptions {
 };
 
 // The same, validated.
-struct SkyTask {
-  SkyCamera camera;
-  SkyRequest sky;                                // of the first turbidity and altitude
+struct DrawingTask {
+  Viewpoint camera;
+  DomeRequest sky;                               // of the first turbidity and altitude
   std::vector<double> turbidities, altitudes_m;  // T of the aerosol where it is known
   std::optional<Site> site;
   std::optional<Utc> utc;
   bool mountains = false;
 };
 // Errors: bad_input, listing every problem.
-Result<SkyTask> sky_task(const SkyOptions& options);
+Result<DrawingTask> sky_task(const SkyOptions& options);
 
 Result<int> run_sky(const SkyOptions& options);
 

@@ -13,16 +13,16 @@
 namespace kasumi {
 namespace {
 
-Result<Image<Rgb8>> draw_one(SkyDrawing& drawing, const SkyCamera& camera, const SkyRequest& asked, bool mountains) {
-  const SkyRequest sky = standing_on_land(camera, asked);
+Result<Image<Rgb8>> draw_one(DomeDrawing& drawing, const Viewpoint& camera, const DomeRequest& asked, bool mountains) {
+  const DomeRequest sky = standing_on_land(camera, asked);
   const auto land = land_for(camera, sky.altitude_m, mountains);
   const LandAround* around = land ? &*land : nullptr;
   return drawing.draw(view_of(camera), scene_seen(camera, sky, around), around);
 }
 
-Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_out(const SkyOptions& options, const DrawingTask& task, DomeDrawing& drawing) {
   if (is_light_file(options.out)) {
-    const SkyRequest sky = standing_on_land(task.camera, task.sky);
+    const DomeRequest sky = standing_on_land(task.camera, task.sky);
     const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
     std::optional<LandRayCaster> sight;
     if (land) sight.emplace(land->land, land->from, land->to);
@@ -34,17 +34,17 @@ Result<> write_out(const SkyOptions& options, const SkyTask& task, SkyDrawing& d
   return write_png(options.out, *picture);
 }
 
-Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_sheet(const SkyOptions& options, const DrawingTask& task, DomeDrawing& drawing) {
   ContactSheet sheet;
   // One exposure for all, so that the sheet shows which is brighter.
-  SkyRequest first = task.sky;
+  DomeRequest first = task.sky;
   first.exposure_ev = 0.0;
   first = standing_on_land(task.camera, first);
   const auto first_land = land_for(task.camera, first.altitude_m, task.mountains);
   const double exposure = scene_seen(task.camera, first, first_land ? &*first_land : nullptr).exposure;
   for (const double altitude_m : task.altitudes_m)
     for (const double t : task.turbidities) {
-      SkyRequest sky = task.sky;
+      DomeRequest sky = task.sky;
       sky.altitude_m = altitude_m;
       sky.turbidity = {t};
       sky.exposure = exposure;
@@ -59,7 +59,7 @@ Result<> write_sheet(const SkyOptions& options, const SkyTask& task, SkyDrawing&
 }
 
 // The moments of the day around `utc` at which the sun stands high enough for a sky.
-std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
+std::vector<SunDirection> suns_of_day(const DrawingTask& task, int frames) {
   constexpr int kMinutes = 24 * 60;
   // Centred on local noon.
   const auto day = std::chrono::floor<std::chrono::days>(
@@ -76,14 +76,14 @@ std::vector<SunDirection> suns_of_day(const SkyTask& task, int frames) {
   return suns;
 }
 
-Result<> write_day(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_day(const SkyOptions& options, const DrawingTask& task, DomeDrawing& drawing) {
   const auto suns = suns_of_day(task, options.frames);
   if (suns.empty())
     return fail(FaultKind::bad_input, "--day: the sun does not rise at --site on that day; expected another day");
   auto sink = std::filesystem::path(options.day).has_extension() ? open_film(options.day, options.frames_per_second)
                                                                  : open_picture_folder(options.day);
   if (!sink) return fail(sink.error());
-  SkyRequest sky = standing_on_land(task.camera, task.sky);
+  DomeRequest sky = standing_on_land(task.camera, task.sky);
   const auto land = land_for(task.camera, sky.altitude_m, task.mountains);
   for (const SunDirection& sun : suns) {
     sky.sun = sun;
@@ -95,13 +95,13 @@ Result<> write_day(const SkyOptions& options, const SkyTask& task, SkyDrawing& d
   return (*sink)->finish();
 }
 
-Result<> write_comparison(const SkyOptions& options, const SkyTask& task, SkyDrawing& drawing) {
+Result<> write_comparison(const SkyOptions& options, const DrawingTask& task, DomeDrawing& drawing) {
   const auto low = direction_from(from_degrees(88.0), azimuth_angle(task.sky.sun));
   ContactSheet sheet;
   fmt::print("{:<22} {:>22} {:>30}\n", "", "darkest / opposite sun", "zenith under a sun of 2 deg");
   using enum SkyKind;
   for (const SkyKind kind : {dome, preetham1999, hoffman_preetham2002, nielsen2003}) {
-    SkyRequest sky = task.sky;
+    DomeRequest sky = task.sky;
     sky.kind = kind;
     const auto picture = draw_one(drawing, task.camera, sky, false);
     if (!picture) return fail(picture.error());
@@ -122,7 +122,7 @@ Result<int> run_sky(const SkyOptions& options) {
   const bool a_picture = !options.out.empty() && !is_light_file(options.out);
   const bool by_gpu =
       !options.cpu && (a_picture || !options.sheet.empty() || !options.day.empty() || !options.compare.empty());
-  auto drawing = by_gpu ? SkyDrawing::by_gpu() : Result<SkyDrawing>(SkyDrawing::by_cpu());
+  auto drawing = by_gpu ? DomeDrawing::by_gpu() : Result<DomeDrawing>(DomeDrawing::by_cpu());
   if (!drawing) return fail(drawing.error().kind, "{}; --cpu needs none", drawing.error().message);
   const auto step = [&](const std::string& wanted, auto work) -> Result<> {
     return wanted.empty() ? Result<>{} : work(options, *task, *drawing);

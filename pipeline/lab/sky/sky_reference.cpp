@@ -19,7 +19,7 @@ LandHit between(const LandHit& a, const LandHit& b, double part) {
           glm::mix(a.normal, b.normal, part), glm::mix(a.albedo, b.albedo, part)};
 }
 
-double pixel_rad(const SkyView& view) {
+double pixel_rad(const PanoramaView& view) {
   return 1.0 / view.focal_px;
 }
 
@@ -50,8 +50,8 @@ std::optional<LandHit> LandRayCaster::along(const Direction& view, double observ
   return std::nullopt;
 }
 
-glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
-                        const glm::dvec2& pixel) {
+glm::dvec3 sky_shown_at(const PanoramaView& view, const DomePainter& painter, double observer_m,
+                        const LandRayCaster* land, const glm::dvec2& pixel) {
   const Direction direction = direction_of(view, pixel);
   if (land)
     if (const auto hit = land->along(direction, observer_m))
@@ -59,15 +59,15 @@ glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double o
   return painter.shown_sky_and_sun(direction, pixel_rad(view));
 }
 
-glm::dvec3 sky_light_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
-                        const glm::dvec2& pixel) {
+glm::dvec3 sky_light_at(const PanoramaView& view, const DomePainter& painter, double observer_m,
+                        const LandRayCaster* land, const glm::dvec2& pixel) {
   const Direction direction = direction_of(view, pixel);
   const auto hit = land ? land->along(direction, observer_m) : std::nullopt;
   return hit ? painter.land(hit->place, hit->altitude_m, hit->normal, hit->albedo) : painter.sky(direction);
 }
 
-Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land) {
-  const SkyPainter painter(scene);
+Image<glm::vec3> sky_light_picture(const PanoramaView& view, const DomeScene& scene, const LandRayCaster* land) {
+  const DomePainter painter(scene);
   Image<glm::vec3> picture(view.width, view.height);
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {
@@ -81,8 +81,8 @@ Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, c
   return picture;
 }
 
-Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land) {
-  const SkyPainter painter(scene);
+Image<Rgb8> sky_shown_picture(const PanoramaView& view, const DomeScene& scene, const LandRayCaster* land) {
+  const DomePainter painter(scene);
   Image<Rgb8> picture(view.width, view.height);
   for (int y = 0; y < view.height; ++y)
     for (int x = 0; x < view.width; ++x) {

@@ -30,15 +30,15 @@ class LandRayCaster {
 };
 
 // Linear sRGB, cd/m2; black beyond a fisheye's circle. land: null for none.
-Image<glm::vec3> sky_light_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
+Image<glm::vec3> sky_light_picture(const PanoramaView& view, const DomeScene& scene, const LandRayCaster* land);
 // Encoded as on the GPU, but rounded instead of dithered.
-Image<Rgb8> sky_shown_picture(const SkyView& view, const SkyScene& scene, const LandRayCaster* land);
+Image<Rgb8> sky_shown_picture(const PanoramaView& view, const DomeScene& scene, const LandRayCaster* land);
 
 // Light of one pixel without the sun's disc, as in sky_light_picture().
-glm::dvec3 sky_light_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
-                        const glm::dvec2& pixel);
+glm::dvec3 sky_light_at(const PanoramaView& view, const DomePainter& painter, double observer_m,
+                        const LandRayCaster* land, const glm::dvec2& pixel);
 // Encoded colour of one pixel, 0 .. 1.
-glm::dvec3 sky_shown_at(const SkyView& view, const SkyPainter& painter, double observer_m, const LandRayCaster* land,
-                        const glm::dvec2& pixel);
+glm::dvec3 sky_shown_at(const PanoramaView& view, const DomePainter& painter, double observer_m,
+                        const LandRayCaster* land, const glm::dvec2& pixel);
 
 }  // namespace kasumi

@@ -31,7 +31,7 @@ Image<Rgba8> drawn_bar(const std::string& first, const std::string& second) {
 
 }  // namespace
 
-bool SkyViewState::apply(const WindowInput& input) {
+bool SkyWindowState::apply(const WindowInput& input) {
   bool changed = !input.keys.empty();
   for (const char key : input.keys) switch (key) {
       case 't': sky.turbidity.value = std::min(sky.turbidity.value * 1.1, kHighestDomeTurbidity.value); break;
@@ -49,7 +49,7 @@ bool SkyViewState::apply(const WindowInput& input) {
       default: break;
     }
   if (input.dragging) {
-    const SkyView view = view_of(camera);
+    const PanoramaView view = view_of(camera);
     const glm::dvec2 pixel(input.x_px - 0.5, input.y_px - 0.5);
     if (seen_share(view, pixel) <= 0.0) return changed;
     const Direction towards = direction_of(view, pixel);
@@ -60,15 +60,15 @@ bool SkyViewState::apply(const WindowInput& input) {
   return changed;
 }
 
-std::string SkyViewState::caption() const {
+std::string SkyWindowState::caption() const {
   const auto aod = sky.like ? fmt::format("AOD {:.3f}    ", sky.aerosol().aod_550) : std::string();
   return aod + fmt::format("T {:.2f}    altitude {:.0f} m    sun {:.1f} deg from the zenith, azimuth {:.1f} deg",
                            sky.turbidity.value, sky.altitude_m, to_degrees(zenith_angle(sky.sun)),
                            to_degrees(azimuth_angle(sky.sun)));
 }
 
-Result<> show_sky_window(const SkyTask& task) {
-  SkyViewState shown{task.camera, task.sky, task.mountains};
+Result<> show_sky_window(const DrawingTask& task) {
+  SkyWindowState shown{task.camera, task.sky, task.mountains};
   auto window = open_window({"Kasumi: the sky", shown.camera.width, shown.camera.height, true});
   if (!window) return fail(window.error());
   auto dome = DomeRenderer::create(**window);

@@ -9,9 +9,9 @@
 namespace kasumi {
 
 // What the window shows; user input changes it.
-struct SkyViewState {
-  SkyCamera camera;
-  SkyRequest sky;
+struct SkyWindowState {
+  Viewpoint camera;
+  DomeRequest sky;
   bool mountains = false;
 
   // Applies the pointer (in pixels of the picture) and keys. Returns whether anything changed.
@@ -21,6 +21,6 @@ struct SkyViewState {
 };
 
 // BLOCKS until the window is closed. Errors: unsupported (no display), device.
-Result<> show_sky_window(const SkyTask& task);
+Result<> show_sky_window(const DrawingTask& task);
 
 }  // namespace kasumi

@@ -19,7 +19,7 @@ SkyReport aged(SkyReport report, Duration later, const Installation& installatio
   if (auto& air = report.air) {
     if (!installation.surroundings.air.whole()) {  // what is given does not age
       air->age += later;
-      air->trustworthy = air->trustworthy && air->age <= AirTrackerOptions{}.trusted_for;
+      air->trustworthy = air->trustworthy && air->age <= TrackingRules{}.trusted_for;
     }
     for (auto& part : air->observers) part.age += later;
   }

@@ -17,8 +17,8 @@ bool differs(const BuildingLook& a, const BuildingLook& b) {
 
 }  // namespace
 
-Result<PlanePicture> BuildingPlanes::next(Compositor& compositor, Display& display, Instant now) {
-  PlanePicture picture{compositor.camera_buffer()};
+Result<PlaneStack> BuildingPlanes::next(Compositor& compositor, Display& display, Instant now) {
+  PlaneStack picture{compositor.camera_buffer()};
   const auto look = compositor.look();
   const PixelBox all = compositor.object_box(), seen = compositor.drawn_box();
   if (!look || seen.empty()) return picture;

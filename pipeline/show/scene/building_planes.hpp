@@ -18,7 +18,7 @@ class BuildingPlanes {
  public:
   // The building over the picture that the compositor took last; none where it is not to be seen. The display must have
   // shown the one before last. Errors: unsupported (no such buffers), device.
-  Result<PlanePicture> next(Compositor& compositor, Display& display, Instant now);
+  Result<PlaneStack> next(Compositor& compositor, Display& display, Instant now);
 
  private:
   struct Buffer {

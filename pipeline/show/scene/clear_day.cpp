@@ -62,7 +62,7 @@ Result<std::vector<Image<Rgb8>>> drawn_over(GlContext& context, const Installati
                                             const std::vector<ClearDay>& days) {
   std::vector<Image<Rgb8>> pictures;
   for (const auto& [sky, behind] : days) {
-    auto compositor = Compositor::create(context, installation, model, SceneAirOptions{});
+    auto compositor = Compositor::create(context, installation, model, AirRendering{});
     if (!compositor) return fail(compositor.error());
     auto target = Offscreen::create(context.info(), installation.scene.width, installation.scene.height);
     if (!target) return fail(target.error());

@@ -30,9 +30,9 @@ class Compositor {
   static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
                                    SceneAir air, const RendererOptions& renderer = {});
   static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
-                                   SceneAirOptions options);
+                                   AirRendering options);
   // Reads the installation's model first.
-  static Result<Compositor> create(GlContext& context, const Installation& installation, SceneAirOptions options);
+  static Result<Compositor> create(GlContext& context, const Installation& installation, AirRendering options);
 
   // Draws the frame with the building under the report's air. Errors: bad_input (a frame without a picture: it is not
   // drawn and the caller keeps the last one), device.

@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, SceneAirOptions options) {
+Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, AirRendering options) {
   auto model = read_gltf(installation.object.model, {}, installation.object.scene);
   if (!model) return fail(model.error());
   for (const auto& note : model->notes) spdlog::info("{}", note);
@@ -17,7 +17,7 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 }
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
-                                      SceneAirOptions options) {
+                                      AirRendering options) {
   return create(context, installation, model, SceneAir(installation, options));
 }
 
@@ -32,8 +32,9 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
   }
 }
 
-PreparedScene prepare_scene(const Installation& installation, const Model& model) {
-  PreparedScene prepared{cut_model(model), depth_for_gles(installation.scene, installation.scene_distances_m), nullptr};
+CompositorInputs prepare_scene(const Installation& installation, const Model& model) {
+  CompositorInputs prepared{cut_model(model), depth_for_gles(installation.scene, installation.scene_distances_m),
+                            nullptr};
   if (!installation.object.shadows || !installation.object.ground_light || model.ground.empty()) return prepared;
   auto ground = std::make_shared<GroundWatch>(installation.scene, model, installation.object.placement);
   if (!ground->empty()) prepared.ground = std::move(ground);
@@ -41,15 +42,15 @@ PreparedScene prepare_scene(const Installation& installation, const Model& model
 }
 
 Result<CompositorMaking> CompositorMaking::begin(GlContext& context, const Installation& installation,
-                                                 const Model& model, std::shared_ptr<const PreparedScene> prepared,
+                                                 const Model& model, std::shared_ptr<const CompositorInputs> prepared,
                                                  SceneAir air, const RendererOptions& options) {
   if (auto sound = check(model); !sound) return fail(sound.error());
-  if (!prepared) prepared = std::make_shared<const PreparedScene>(prepare_scene(installation, model));
+  if (!prepared) prepared = std::make_shared<const CompositorInputs>(prepare_scene(installation, model));
   auto renderer = Renderer::create(context, options);
   if (!renderer) return fail(renderer.error());
   const bool reflects = std::ranges::any_of(model.materials, &ModelMaterial::reflects);
-  auto filters = reflects ? std::async(std::launch::async, prepare_sky_squares) : std::future<void>();
-  const std::shared_ptr<const ModelChunks> chunks(prepared, &prepared->chunks);
+  auto filters = reflects ? std::async(std::launch::async, prepare_atlas_squares) : std::future<void>();
+  const std::shared_ptr<const TriangleChunks> chunks(prepared, &prepared->chunks);
   if (auto begun = renderer->begin_model(model, chunks); !begun) return fail(begun.error());
   Compositor made(std::move(*renderer), std::move(air), installation);
   made.filters_ = std::move(filters);

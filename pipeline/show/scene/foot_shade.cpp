@@ -19,10 +19,10 @@ constexpr int kFewestDirections = 64, kDirectionsPerStep = 8;
 constexpr std::size_t kTrianglesInAll = 20'000'000;  // drawn, from all directions together
 constexpr float kNothing = -1e30f;                   // a height below all ground
 
-struct AcrossSky {  // across a direction
+struct AcrossDirection {  // across a direction
   glm::vec3 right, up;
 };
-AcrossSky across_sky(const glm::vec3& direction) {
+AcrossDirection across_sky(const glm::vec3& direction) {
   const glm::vec3 right =
       glm::normalize(glm::cross(std::abs(direction.z) < 0.9f ? glm::vec3(0, 0, 1) : glm::vec3(1, 0, 0), direction));
   return {right, glm::cross(direction, right)};
@@ -87,7 +87,7 @@ FootShadeWork::FootShadeWork(const Model& model, const glm::dmat4& to_world) {
   if (corners_.empty()) return;
   lay_ground(model, to_world);
   const int directions = std::clamp(static_cast<int>(kTrianglesInAll / (corners_.size() / 3)), kFewestDirections,
-                                    SkyOverGround::kMostDirections);
+                                    GroundExposure::kMostDirections);
   for (int i = 0; i < directions; ++i) made_.directions_.push_back(sky_direction(i, directions));
 }
 
@@ -103,7 +103,7 @@ void FootShadeWork::lay_ground(const Model& model, const glm::dmat4& to_world) {
   made_.first_m_ = glm::dvec2(lowest) - reach;
   made_.step_m_ = glm::dvec2(step);
   const glm::ivec2 points = glm::ivec2(span / step) + 1;
-  made_.ground_ = Image<SkyOverGround::Ground>(points.x, points.y);
+  made_.ground_ = Image<GroundExposure::Ground>(points.x, points.y);
   const auto on_grid = [&](const glm::vec3& p) {
     return glm::vec3(glm::vec2((glm::dvec2(p) - made_.first_m_) / step), p.z);
   };
@@ -122,7 +122,7 @@ void FootShadeWork::lay_ground(const Model& model, const glm::dmat4& to_world) {
 
 void FootShadeWork::look_from(std::size_t number) {
   const glm::vec3 sky = made_.directions_[number];
-  const AcrossSky plane = across_sky(sky);
+  const AcrossDirection plane = across_sky(sky);
   const auto seen = [&](const glm::vec3& p) {
     return glm::vec3(glm::dot(p, plane.right), glm::dot(p, plane.up), glm::dot(p, sky));
   };
@@ -156,13 +156,13 @@ bool FootShadeWork::step() {
   return done_ == made_.directions_.size();
 }
 
-std::shared_ptr<const SkyOverGround> FootShadeWork::take() {
+std::shared_ptr<const GroundExposure> FootShadeWork::take() {
   corners_ = {};
   if (made_.directions_.empty()) return nullptr;
-  return std::make_shared<const SkyOverGround>(std::move(made_));
+  return std::make_shared<const GroundExposure>(std::move(made_));
 }
 
-FootShade SkyOverGround::under(const LightAround& around) const {
+FootShade GroundExposure::under(const LightAround& around) const {
   // As the directions are as dense as the cosine to the vertical, each has the weight of its radiance times the cosine to
   // the normal over that to the vertical.
   std::vector<float> radiance;
@@ -187,7 +187,7 @@ FootShade SkyOverGround::under(const LightAround& around) const {
   return shade;
 }
 
-std::shared_ptr<const SkyOverGround> sky_over_ground(const Model& model, const glm::dmat4& model_to_world) {
+std::shared_ptr<const GroundExposure> sky_over_ground(const Model& model, const glm::dmat4& model_to_world) {
   FootShadeWork work(model, model_to_world);
   while (!work.step()) {
   }

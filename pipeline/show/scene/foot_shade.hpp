@@ -19,7 +19,7 @@
 namespace kasumi {
 
 // From which directions of the sky which ground is seen.
-class SkyOverGround {
+class GroundExposure {
  public:
   FootShade under(const LightAround& around) const;
 
@@ -49,18 +49,18 @@ class FootShadeWork {
   // From some directions of the sky; true: it is whole.
   bool step();
   // Null: there is none. Call it when it is whole.
-  std::shared_ptr<const SkyOverGround> take();
+  std::shared_ptr<const GroundExposure> take();
 
  private:
   void lay_ground(const Model& model, const glm::dmat4& model_to_world);
   void look_from(std::size_t number);
 
   std::vector<glm::vec3> corners_;  // of the object's triangles, world
-  SkyOverGround made_;
+  GroundExposure made_;
   std::size_t done_ = 0;  // directions
 };
 
 // All at once.
-std::shared_ptr<const SkyOverGround> sky_over_ground(const Model& model, const glm::dmat4& model_to_world);
+std::shared_ptr<const GroundExposure> sky_over_ground(const Model& model, const glm::dmat4& model_to_world);
 
 }  // namespace kasumi

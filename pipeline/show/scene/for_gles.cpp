@@ -37,7 +37,7 @@ ResponseCurve response_for_gles(const Response& response) {
 }
 
 SceneView view_for_gles(const Camera& scene, const glm::dvec3& object_centre_m, double object_radius_m) {
-  const auto pinhole = pinhole_model(*scene.lens).value_or(PinholeModel{});
+  const auto pinhole = pinhole_model(*scene.lens).value_or(PinholeParameters{});
   SceneView view;
   view.width = scene.width;
   view.height = scene.height;

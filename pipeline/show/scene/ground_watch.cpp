@@ -41,9 +41,9 @@ glm::dvec3 green_attenuation(const Haze& haze, double range_m, double rise_m) {
 }
 
 // The sky's irradiance on slopes, of which few differ.
-class SkyOnSlopes {
+class SlopeIrradiance {
  public:
-  explicit SkyOnSlopes(const LightAround& around) : around_(around) {}
+  explicit SlopeIrradiance(const LightAround& around) : around_(around) {}
   double on(const glm::dvec3& normal) {
     // Of a normal's component: the light on the ground changes little within one.
     constexpr double kSteps = 16.0;
@@ -267,7 +267,7 @@ void GroundWatch::see(const PictureView& picture, const FrameMetadata& metadata,
     if (resumed_) memory_->resume(resumed_->shares, resumed_->since_s);
     resumed_.reset();
   }
-  SkyOnSlopes slopes(light.around);
+  SlopeIrradiance slopes(light.around);
   const bool sunless = light.sun_irradiance.g <= 0.0;
   std::vector<GroundSight> sights(places_.size());
   for (std::size_t i = 0; i < places_.size(); ++i) {

@@ -26,7 +26,7 @@ namespace kasumi {
 
 struct GroundLook {
   std::shared_ptr<const GroundSunlight> sunlight;  // null: not seen yet
-  std::shared_ptr<const SkyOverGround> sky;        // null: none, or not computed yet
+  std::shared_ptr<const GroundExposure> sky;       // null: none, or not computed yet
   std::optional<double> known;  // share of the ground whose sunlight is known; empty: not observed yet
 };
 // Adds it to a layer's appearance. BLOCKS for some milliseconds.

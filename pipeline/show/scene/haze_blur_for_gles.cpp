@@ -5,8 +5,8 @@
 
 namespace kasumi {
 
-HazeScene haze_scene(const Image<glm::vec3>& light, const HazeRange& range) {
-  HazeScene scene{light, range.range, range.steps_along_row, range.steps_down_column};
+BlurInput haze_scene(const Image<glm::vec3>& light, const HazeRange& range) {
+  BlurInput scene{light, range.range, range.steps_along_row, range.steps_down_column};
   for (auto* steps : {&scene.steps_along_row, &scene.steps_down_column})
     for (float& sum : steps->elements()) sum /= kRangeStepTurn;
   return scene;

@@ -6,7 +6,7 @@
 
 namespace kasumi {
 
-HazeScene haze_scene(const Image<glm::vec3>& light, const HazeRange& range);
+BlurInput haze_scene(const Image<glm::vec3>& light, const HazeRange& range);
 
 // `scheme`: one the GPU has, explicit_steps or matched. `range`: of the picture; its farthest pixel determines the
 // passes.

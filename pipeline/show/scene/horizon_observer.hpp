@@ -21,8 +21,8 @@ namespace kasumi {
 
 class HorizonObserver {
  public:
-  HorizonObserver(Camera scene, Camera sky, SiteSkyModel sky_model, double altitude_m,
-                  std::vector<LightCard> cards = {}, double ground_albedo = DaylightOptions{}.ground_albedo)
+  HorizonObserver(Camera scene, Camera sky, DaylightModel sky_model, double altitude_m,
+                  std::vector<LightCard> cards = {}, double ground_albedo = DaylightConditions{}.ground_albedo)
       : scene_(std::move(scene)),
         sky_(std::move(sky)),
         sky_model_(sky_model),
@@ -44,7 +44,7 @@ class HorizonObserver {
   HorizonLight modelled(const SceneConditions& conditions, const PictureView& scene) const;
 
   Camera scene_, sky_;
-  SiteSkyModel sky_model_;
+  DaylightModel sky_model_;
   double altitude_m_;
   std::vector<LightCard> cards_;
   double ground_albedo_;

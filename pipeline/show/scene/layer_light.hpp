@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "gles/light/sky_squares.hpp"
+#include "gles/light/atlas_squares.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/show/scene/ground_watch.hpp"
 #include "pipeline/show/scene/scene_air.hpp"
@@ -29,7 +29,7 @@ struct LayerAnswer {
   std::shared_ptr<const SceneAir> air;  // of the question
   LayerConditions under;
   ObjectAppearance appearance;
-  std::shared_ptr<const SkySquares> sky;
+  std::shared_ptr<const AtlasSquares> sky;
 };
 LayerAnswer answer(const LayerQuestion& question);
 

@@ -132,7 +132,7 @@ bool look_alike(const SceneConditions& now, const SceneConditions& drawn) {
   return std::abs(haze - haze_drawn) <= kMinHazeChange * haze_drawn && angle_between(now.sun, drawn.sun) <= kMinSunMove;
 }
 
-SceneAir::SceneAir(const Installation& installation, SceneAirOptions options)
+SceneAir::SceneAir(const Installation& installation, AirRendering options)
     : observer_(std::make_shared<const HorizonObserver>(
           installation.scene, installation.sky, installation.surroundings.sky_model, installation.site.altitude_m,
           installation.cards, installation.surroundings.ground_albedo)),
@@ -160,7 +160,7 @@ AirState SceneAir::air_under(const SkyReport& report) const {
 
 ScatteringModel SceneAir::scattering(const AirState& air) const {
   if (options_.scattering) return *options_.scattering;
-  const bool own = air.aerosol_known() && resolved(sky_model_, altitude_m_, true) == SiteSkyModel::dome;
+  const bool own = air.aerosol_known() && resolved(sky_model_, altitude_m_, true) == DaylightModel::dome;
   return own ? ScatteringModel::aerosol : ScatteringModel::morales2017;
 }
 

@@ -17,7 +17,7 @@
 
 namespace kasumi {
 
-struct SceneAirOptions {
+struct AirRendering {
   // Empty: the aerosol's own where it is known and the sky is the dome, else morales2017.
   std::optional<ScatteringModel> scattering{};
   ZetaForm zeta = ZetaForm::full;
@@ -42,7 +42,7 @@ bool look_alike(const SceneConditions& now, const SceneConditions& drawn);
 
 class SceneAir {
  public:
-  SceneAir(const Installation& installation, SceneAirOptions options);
+  SceneAir(const Installation& installation, AirRendering options);
 
   SceneConditions conditions(const SkyReport& report) const;
   // The same for a view of the building. `report`: lit for it (lit_for()).
@@ -85,13 +85,13 @@ class SceneAir {
   bool shadows_;
   std::optional<double> saturation_;  // of the camera; empty: it is learnt
   Skyline skyline_;
-  SiteSkyModel sky_model_;
+  DaylightModel sky_model_;
   GivenAir given_;
   FogLayer fog_;
   double blur_of_depth_1_px_;
   OpticalPath to_object_;
   double to_object_m_;  // over the ground
-  SceneAirOptions options_;
+  AirRendering options_;
   SpectralMeasure measure_;
   // Of the air last asked for; the aerosol's move with its exponent.
   struct Nodes {

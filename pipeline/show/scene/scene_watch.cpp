@@ -19,8 +19,8 @@ Image<glm::vec3> encoded_of(const PictureView& view) {
 }
 
 // By which T and extinction belong together: M's T means far more extinction in blue than the air has.
-ScatteringModel law_of(SiteSkyModel model) {
-  return model == SiteSkyModel::preetham ? ScatteringModel::morales2017 : ScatteringModel::aerosol;
+ScatteringModel law_of(DaylightModel model) {
+  return model == DaylightModel::preetham ? ScatteringModel::morales2017 : ScatteringModel::aerosol;
 }
 
 // A closed cover of clouds may be as smooth as a clear sky.
@@ -43,13 +43,13 @@ void SceneWatch::has_learnt(Instant when) {
 
 SceneWatch::SceneWatch(const Installation& installation)
     : camera_(installation.scene),
-      sky_(installation.sky_to_fit()),
-      reads_low_sky_(installation.surroundings.sky_model != SiteSkyModel::preetham &&
+      sky_(installation.model_to_fit()),
+      reads_low_sky_(installation.surroundings.sky_model != DaylightModel::preetham &&
                      !installation.surroundings.air.whole()),
       landmarks_(installation.scene, installation.site.altitude_m, installation.contrast_landmarks, {},
                  law_of(installation.surroundings.sky_model)) {}
 
-SceneLook SceneWatch::look(const PictureView& picture, Instant when, const SkyAbove& above) {
+SceneLook SceneWatch::look(const PictureView& picture, Instant when, const DaylightState& above) {
   SceneLook look;
   look.air.when = when;
   if (above.sun && above.sun->z < kLowestSun) {

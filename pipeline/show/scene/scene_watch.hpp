@@ -5,7 +5,7 @@
 #include <string>
 
 #include "estimator/fusion/air_observation.hpp"
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "pipeline/site/config/installation.hpp"
 
 namespace kasumi {
@@ -13,13 +13,13 @@ namespace kasumi {
 constexpr Duration kSceneLookInterval = std::chrono::minutes(1);  // air changes in minutes
 
 // What the sky camera knows of the moment.
-struct SkyAbove {
+struct DaylightState {
   std::optional<SunDirection> sun;  // where it is known
   SkyCondition sky = SkyCondition::unknown;
 };
 
 // For the tracker of the air.
-struct SceneAirReading {
+struct TrackerReading {
   Instant when{};                        // the picture was taken
   std::optional<PathReading> path;       // by landmarks
   std::optional<ColumnReading> low_sky;  // above the horizon
@@ -28,9 +28,9 @@ struct SceneAirReading {
 };
 
 struct SceneLook {
-  std::optional<LandmarkAir> landmarks;  // empty: not measured, and `reason` says why
-  std::string reason;                    // for people; also what is doubtful
-  SceneAirReading air;
+  std::optional<ChannelExtinctions> landmarks;  // empty: not measured, and `reason` says why
+  std::string reason;                           // for people; also what is doubtful
+  TrackerReading air;
   bool learnt = false;  // the landmarks' contrasts were narrowed
 };
 
@@ -44,7 +44,7 @@ class SceneWatch {
   bool any() const { return has_landmarks() || reads_low_sky_; }
   // Reads the low sky, and the landmarks, whose contrasts it learns once in half an hour: the light hardly changes
   // within it. BLOCKS for a fraction of a second. Under a low sun nothing is read.
-  SceneLook look(const PictureView& picture, Instant when, const SkyAbove& above);
+  SceneLook look(const PictureView& picture, Instant when, const DaylightState& above);
 
   // What was learnt, to be kept over a restart.
   LandmarkWatch& landmarks() { return landmarks_; }
@@ -53,7 +53,7 @@ class SceneWatch {
 
  private:
   Camera camera_;
-  SkyToFit sky_;
+  ModelToFit sky_;
   bool reads_low_sky_;  // not where the air is given, or T alone is followed
   LandmarkWatch landmarks_;
   std::optional<Instant> learnt_;

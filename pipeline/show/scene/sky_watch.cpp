@@ -11,7 +11,7 @@ namespace kasumi {
 namespace {
 
 // Of an estimate by one model alone: what it cannot know is as usual.
-FoundAerosol found_alone(Turbidity turbidity, double sigma, const SkyToFit& sky) {
+FoundAerosol found_alone(Turbidity turbidity, double sigma, const ModelToFit& sky) {
   // Of all air: 1.3 +- .4, as SkyFit supposes it of models that know T alone.
   constexpr double kUsualExponent = 1.3, kExponentSigma = 0.4;
   const Aerosol like = sky.aerosol.value_or(Aerosol{0.0, kUsualExponent});
@@ -19,7 +19,7 @@ FoundAerosol found_alone(Turbidity turbidity, double sigma, const SkyToFit& sky)
   FoundAerosol found{air.aerosol(), air.covariance(), {}, 0.0};
   if (!sky.aerosol) {
     found.covariance.angstrom_exponent = kExponentSigma * kExponentSigma;
-    if (sky.model == SiteSkyModel::preetham) found.papers_share = 1.0;
+    if (sky.model == DaylightModel::preetham) found.papers_share = 1.0;
   } else {
     found.kinds[static_cast<std::size_t>(like.kind)] = 1.0;
   }
@@ -27,7 +27,7 @@ FoundAerosol found_alone(Turbidity turbidity, double sigma, const SkyToFit& sky)
 }
 
 AirTracker tracker_of(const Installation& installation) {
-  AirTrackerOptions options;
+  TrackingRules options;
   options.given = installation.surroundings.air;
   options.altitude_m = installation.site.altitude_m;
   return AirTracker(options);
@@ -41,7 +41,7 @@ double SkyWatch::Saturation::at(Instant when) const {
   return learnt + (before - learnt) * std::exp(-since_s / kFollowed_s);
 }
 
-SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
+SkyWatch::SkyWatch(const Installation& installation, ObservationPlan options)
     : site_(installation.site),
       object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
                 installation.object.placement.up_m),
@@ -50,7 +50,7 @@ SkyWatch::SkyWatch(const Installation& installation, SkyWatchOptions options)
       options_(std::move(options)),
       observer_(installation.sky),
       air_(tracker_of(installation)) {
-  options_.estimate.sky = installation.sky_to_fit();
+  options_.estimate.sky = installation.model_to_fit();
 }
 
 SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
@@ -100,7 +100,7 @@ void SkyWatch::add_air(SkyReport& report, Instant when) const {
   report.air = air_.at(when);
 }
 
-void SkyWatch::observe(const SceneAirReading& scene) {
+void SkyWatch::observe(const TrackerReading& scene) {
   if (scene.saturation) {
     const double unlearnt = scene_seen_ ? 1.0 : *scene.saturation;
     scene_saturation_ = {scene_saturation_ ? scene_saturation_->at(scene.when) : unlearnt, *scene.saturation,

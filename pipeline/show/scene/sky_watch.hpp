@@ -32,8 +32,8 @@ struct SkyReport {
 
 using TurbidityEstimator = std::function<TurbidityEstimate(const SkyPicture&, const SunDirection&)>;
 
-struct SkyWatchOptions {
-  EstimateOptions estimate;                          // except its sky, which is the site's
+struct ObservationPlan {
+  EstimateParameters estimate;                       // except its sky, which is the site's
   TurbidityEstimator estimator;                      // replaces the built-in one, for tests
   Duration observe_every = std::chrono::seconds(1);  // of an appliance; air changes in minutes
 };
@@ -41,7 +41,7 @@ struct SkyWatchOptions {
 // Belongs to one thread.
 class SkyWatch {
  public:
-  explicit SkyWatch(const Installation& installation, SkyWatchOptions options = {});
+  explicit SkyWatch(const Installation& installation, ObservationPlan options = {});
 
   // For a recorded frame, whose own time is used and trusted. Errors (bad_input): a frame without a picture: truncated,
   // flagged, damaged, of another size. The watch can continue.
@@ -52,7 +52,7 @@ class SkyWatch {
   // estimated.
   Result<SkyReport> observe(const Frame& frame, Instant when, SunSource sun_from);
   // What the scene camera shows of the air: it drives the picture where the sky does not show it, too.
-  void observe(const SceneAirReading& scene);
+  void observe(const TrackerReading& scene);
   // An earlier report with the air as it is known now.
   SkyReport with_air(SkyReport report, Instant when) const;
   // While no frame comes: the last estimate, the tracked air at its present age, the sun's position at `utc`.
@@ -74,7 +74,7 @@ class SkyWatch {
   glm::dvec3 object_m_;  // clouds in front of the sun may shade it
   double cloud_base_m_;
   GivenAir given_;
-  SkyWatchOptions options_;
+  ObservationPlan options_;
   SkyObserver observer_;
   AirTracker air_;
   // Of the scene camera. What is learnt while visitors look comes in over minutes; what was known at a start, at once.

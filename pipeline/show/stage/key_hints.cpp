@@ -29,7 +29,7 @@ CaptionStyle fitting(const std::vector<std::string>& texts, CaptionStyle style, 
 
 }  // namespace
 
-Result<> KeyHints::draw(GlContext& context, const std::vector<std::string>& texts, const MessageOptions& letters,
+Result<> KeyHints::draw(GlContext& context, const std::vector<std::string>& texts, const MessageStyle& letters,
                         const DrawTarget& target) {
   if (texts.empty()) foot_ = 0.0;
   if (texts.empty()) return {};

@@ -13,7 +13,7 @@ class KeyHints {
  public:
   // Each in the middle of its share of the width, in three lines at most; all smaller where one would not fit.
   // Errors: device.
-  Result<> draw(GlContext& context, const std::vector<std::string>& texts, const MessageOptions& letters,
+  Result<> draw(GlContext& context, const std::vector<std::string>& texts, const MessageStyle& letters,
                 const DrawTarget& target);
   double foot() const { return foot_; }  // of the picture, that they take: pixels
 

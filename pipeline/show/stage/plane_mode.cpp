@@ -30,7 +30,7 @@ PlaneMode::Attempt PlaneMode::leave_out(std::string why) {
   return {};
 }
 
-Result<PlaneMode::Attempt> PlaneMode::show(Display& display, PlanePicture picture, std::shared_ptr<const void> holder) {
+Result<PlaneMode::Attempt> PlaneMode::show(Display& display, PlaneStack picture, std::shared_ptr<const void> holder) {
   const auto number = display.show_planes(picture, holder);
   if (number) {
     if (!is_on()) spdlog::info("display: pictures are on planes of its own");

@@ -32,7 +32,7 @@ class PlaneMode {
   Attempt leave_out(std::string why);
   // Once the display has refused a few, or the first, pictures go through the GPU for good. Errors: those of
   // Display::show().
-  Result<Attempt> show(Display& display, PlanePicture picture, std::shared_ptr<const void> holder);
+  Result<Attempt> show(Display& display, PlaneStack picture, std::shared_ptr<const void> holder);
   // The one shown last. Requires is_on().
   Result<Attempt> show_again(Display& display) { return show(display, last_->picture, last_->holder); }
 
@@ -42,7 +42,7 @@ class PlaneMode {
 
  private:
   struct Last {
-    PlanePicture picture;
+    PlaneStack picture;
     std::shared_ptr<const void> holder;
   };
   std::optional<Last> last_;  // empty: it went through the GPU

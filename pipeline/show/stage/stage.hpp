@@ -48,7 +48,7 @@ class Stage {
   // buffer instead of drawing it, and gives the picture for Display::show_planes(). Errors: unsupported (the display has
   // no such buffers), and as draw_scene(); the frame is taken unless it is bad_input.
   Result<> take_scene(const SceneFrame& frame, const SkyReport& sky);
-  Result<PlanePicture> scene_for_planes(Display& display, Instant now) {
+  Result<PlaneStack> scene_for_planes(Display& display, Instant now) {
     return buildings_.next(compositor_, display, now);
   }
   // The scene as it was drawn last, as a picture of its own. Errors: bad_input (nothing was drawn), device.

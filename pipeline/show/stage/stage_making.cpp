@@ -45,8 +45,8 @@ Result<StageMaking> StageMaking::begin(GlContext& context, ContentPtr content,
   if (!prepared) prepared = prepare_stage(*content);
   const auto& installation = content->config.installation;
   auto scene = CompositorMaking::begin(
-      context, installation, *content->model, std::shared_ptr<const PreparedScene>(prepared, &prepared->scene),
-      air ? std::move(*air) : SceneAir(installation, SceneAirOptions{}), {.mixing = content->config.mixing});
+      context, installation, *content->model, std::shared_ptr<const CompositorInputs>(prepared, &prepared->scene),
+      air ? std::move(*air) : SceneAir(installation, AirRendering{}), {.mixing = content->config.mixing});
   if (!scene) return fail(scene.error());
   if (rehearsal && rehearsal->sky.sun.source == SunSource::none) rehearsal->sky = ordinary_noon();
   return StageMaking(context, std::move(content), std::move(prepared), std::move(*scene), std::move(rehearsal));

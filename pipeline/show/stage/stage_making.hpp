@@ -14,7 +14,7 @@ namespace kasumi {
 
 // What a stage needs and takes long to compute, made without GL, on any thread.
 struct PreparedStage {
-  PreparedScene scene;
+  CompositorInputs scene;
   std::optional<FlatTexels> still;
 };
 std::shared_ptr<const PreparedStage> prepare_stage(const Content& content);

@@ -21,22 +21,22 @@ constexpr double kUsualFieldOfView_deg = 50.0;  // of a scene camera that is not
 
 // The scene camera's view; for other lenses than pinholes, and for views too narrow to show more than one colour, a
 // usual field of view instead.
-SkyView view_of_sky(const Camera& scene, int width, int height) {
+PanoramaView view_of_sky(const Camera& scene, int width, int height) {
   const auto pinhole = scene.lens ? pinhole_model(*scene.lens) : std::nullopt;
   const double usual = 0.5 / std::tan(0.5 * from_degrees(kUsualFieldOfView_deg).value);
   const double focal = pinhole && scene.width > 0 ? pinhole->focal_px.x / scene.width : usual;
-  return {SkyProjection::perspective, width, height, std::min(focal, 4.0 * usual) * width, scene.to_world};
+  return {PanoramaProjection::perspective, width, height, std::min(focal, 4.0 * usual) * width, scene.to_world};
 }
 
 // The curated picture was taken by day and does not change: its sky must darken at dusk more than it would for adapted
 // eyes.
-void dim(SkyScene& scene, const SkySums& sums) {
+void dim(DomeScene& scene, const HemisphereSums& sums) {
   constexpr double kDay_cd_m2 = 3000.0, kLoss = 0.15;  // of the stops that the light loses
   scene.exposure *= std::pow(std::clamp(sums.mean_luminance / kDay_cd_m2, 1e-4, 1.0), kLoss);
 }
 
 // Blends in an overcast sky, grey and even, in proportion to the clouds.
-void cover(SkyScene& scene, const SkySums& sums, double clouds) {
+void cover(DomeScene& scene, const HemisphereSums& sums, double clouds) {
   if (clouds <= 0.0) return;
   constexpr double kLevel = 0.55;  // of the clear sky's mean, which set the exposure
   const glm::dvec3 grey = kLevel * sums.mean_luminance * glm::dvec3(0.97, 1.0, 1.04);
@@ -47,10 +47,10 @@ void cover(SkyScene& scene, const SkySums& sums, double clouds) {
 
 }  // namespace
 
-std::optional<StillSky> still_sky(const SkyReport& report) {
+std::optional<StillWeather> still_sky(const SkyReport& report) {
   const auto sky = report.estimate.sky;
   if (report.sun.source == SunSource::none || sky == SkyCondition::night) return std::nullopt;
-  StillSky found;
+  StillWeather found;
   found.sun = report.sun.direction;
   if (found.sun.z < -std::sin(from_degrees(6.0).value)) return std::nullopt;  // civil twilight has ended
   // Preetham's T stands for the same optical depth of haze here.
@@ -80,7 +80,7 @@ Result<StillPicture> StillPicture::create(GlContext& context, const Content& con
   return still;
 }
 
-bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
+bool StillPicture::holds(const DrawTarget& target, const StillWeather& sky) const {
   if (!with_sky_ || with_sky_->width != target.width || with_sky_->height != target.height) return false;
   const auto& drawn = with_sky_->sky;
   const double haze = sky.turbidity.value - 1.0, drawn_haze = drawn.turbidity.value - 1.0;
@@ -89,7 +89,7 @@ bool StillPicture::holds(const DrawTarget& target, const StillSky& sky) const {
 }
 
 // Rendered offscreen into one picture, so that it can fade.
-Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
+Result<> StillPicture::redraw(const DrawTarget& target, const StillWeather& sky) {
   if (!dome_) {
     auto dome = DomeRenderer::create(*context_);
     if (!dome) return fail(dome.error());
@@ -99,14 +99,14 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
   if (!offscreen) return fail(offscreen.error());
   const DrawTarget whole = offscreen->target();
   const int width = curated_ ? curated_->width() : target.width, height = curated_ ? curated_->height() : target.height;
-  const SkyView view = view_of_sky(scene_, width, height);
-  SkyRequest request;
+  const PanoramaView view = view_of_sky(scene_, width, height);
+  DomeRequest request;
   request.altitude_m = altitude_m_;
   request.turbidity = sky.turbidity;
   request.like = aerosol_;
   request.sun = sky.sun;
   auto scene = sky_scene(request);
-  const auto sums = sky_sums(SkyPainter(scene));
+  const auto sums = sky_sums(DomePainter(scene));
   dim(scene, sums);
   cover(scene, sums, sky.clouds);
   clear_to(whole, glm::vec3(kStillBackground) / 255.0f);
@@ -129,7 +129,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillSky& sky) {
                          [](const Rgb8& colour) { return Rgba8(colour, 255); });
   auto picture = FlatPicture::create(*context_, opaque);
   if (!picture) return fail(picture.error());
-  with_sky_ = WithSky{std::move(*picture), sky, target.width, target.height};
+  with_sky_ = ComposedStill{std::move(*picture), sky, target.width, target.height};
   return {};
 }
 

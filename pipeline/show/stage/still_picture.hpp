@@ -17,13 +17,13 @@ constexpr Rgba8 kStillBackground{38, 44, 52, 255};
 constexpr int kLargestStill_px = 4096;
 
 // Parameters of its sky.
-struct StillSky {
+struct StillWeather {
   Turbidity turbidity{3.0};  // of an ordinary clear day
   SunDirection sun{0.0, 0.0, 1.0};
   double clouds = 0.0;  // share of the sky that they cover
 };
 // Empty at night and while the sun's position is unknown: then no sky is shown.
-std::optional<StillSky> still_sky(const SkyReport& report);
+std::optional<StillWeather> still_sky(const SkyReport& report);
 
 class StillPicture {
  public:
@@ -36,14 +36,14 @@ class StillPicture {
   Result<> draw(const DrawTarget& target, const SkyReport& report, double opacity);
 
  private:
-  struct WithSky {  // the complete picture at a target's size
+  struct ComposedStill {  // the complete picture at a target's size
     FlatPicture picture;
-    StillSky sky;
+    StillWeather sky;
     int width = 0, height = 0;
   };
   explicit StillPicture(GlContext& context) : context_(&context) {}
-  bool holds(const DrawTarget& target, const StillSky& sky) const;
-  Result<> redraw(const DrawTarget& target, const StillSky& sky);
+  bool holds(const DrawTarget& target, const StillWeather& sky) const;
+  Result<> redraw(const DrawTarget& target, const StillWeather& sky);
   Result<> draw_plain(const DrawTarget& target, double opacity);
 
   GlContext* context_;
@@ -54,7 +54,7 @@ class StillPicture {
   std::optional<FlatPicture> background_;  // one pixel
   std::optional<Aerosol> aerosol_;         // exponent and kind, where they are given
   std::optional<DomeRenderer> dome_;       // created when first needed
-  std::optional<WithSky> with_sky_;
+  std::optional<ComposedStill> with_sky_;
 };
 
 }  // namespace kasumi

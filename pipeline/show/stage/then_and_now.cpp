@@ -61,7 +61,7 @@ HandView hand_view(double bare, const SkyReport& sky, Language language, Buildin
 }
 
 Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, double to, double foot,
-                          GlContext& context, const MessageOptions& letters, const DrawTarget& target) {
+                          GlContext& context, const MessageStyle& letters, const DrawTarget& target) {
   const CaptionKey key{letters.language, letters.print, target.width};
   if (label.text != text || label.key != key) {
     label.text = text;
@@ -80,7 +80,7 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
   return label.picture->draw(target, {left, std::round(target.height - margin - height), width, height});
 }
 
-Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageOptions& letters,
+Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageStyle& letters,
                           const DrawTarget& target, double foot) {
   if (view.then.empty()) return {};
   const double edge = std::round(view.bare * target.width);

@@ -32,7 +32,7 @@ class ThenAndNow {
  public:
   // Over a picture that was drawn with Compositor::set_bare(). A side that is too narrow for its words has none.
   // `foot`: pixels that are left to others there. Errors: device.
-  Result<> draw(GlContext& context, const HandView& view, const MessageOptions& letters, const DrawTarget& target,
+  Result<> draw(GlContext& context, const HandView& view, const MessageStyle& letters, const DrawTarget& target,
                 double foot = 0.0);
 
  private:
@@ -42,7 +42,7 @@ class ThenAndNow {
     std::optional<FlatPicture> picture;
   };
   Result<> draw(Label& label, const std::string& text, double from, double to, double foot, GlContext& context,
-                const MessageOptions& letters, const DrawTarget& target);
+                const MessageStyle& letters, const DrawTarget& target);
   Label now_, then_;
   std::optional<FlatPicture> edge_;
 };

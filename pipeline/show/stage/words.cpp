@@ -9,7 +9,7 @@
 
 namespace kasumi {
 
-CaptionStyle style_of(const MessageOptions& options, int width, int height) {
+CaptionStyle style_of(const MessageStyle& options, int width, int height) {
   CaptionStyle style;
   style.font_file = options.font_file;
   style.language = code_of(options.language);
@@ -18,11 +18,11 @@ CaptionStyle style_of(const MessageOptions& options, int width, int height) {
   return style;
 }
 
-CaptionStyle label_style_of(const MessageOptions& options, int width, int height) {
+CaptionStyle label_style_of(const MessageStyle& options, int width, int height) {
   return style_of(options, width, std::min(width, height));
 }
 
-Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& options, const CaptionStyle& style) {
+Image<Rgba8> picture_of_words(const std::string& text, const MessageStyle& options, const CaptionStyle& style) {
   if (!options.plain_letters) {
     auto picture = with_fonts<Result<Image<Rgba8>>>([text, style] {
                      return draw_caption(text, style);
@@ -33,8 +33,7 @@ Image<Rgba8> picture_of_words(const std::string& text, const MessageOptions& opt
   return draw_plain_letters(text, style.height_px, style.largest_width_px);
 }
 
-void Words::update(GlContext& context, const std::string& text, const MessageOptions& options,
-                   const DrawTarget& target) {
+void Words::update(GlContext& context, const std::string& text, const MessageStyle& options, const DrawTarget& target) {
   const CaptionKey key{options.language, options.print, target.width};
   const bool may_improve = waits_for_fonts_ && hung_fonts == 0;
   if (text_ == text && key_ == key && !may_improve) return;
@@ -48,7 +47,7 @@ void Words::update(GlContext& context, const std::string& text, const MessageOpt
   waits_for_fonts_ = !options.plain_letters && hung_fonts > 0;
 }
 
-Result<> Words::draw(GlContext& context, const std::string& text, const MessageOptions& options, bool at_top,
+Result<> Words::draw(GlContext& context, const std::string& text, const MessageStyle& options, bool at_top,
                      double opacity, const DrawTarget& target) {
   update(context, text, options, target);
   if (!picture_ || opacity <= 0.0) return {};

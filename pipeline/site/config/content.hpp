@@ -35,7 +35,7 @@ struct InsteadOfConfigured {
 struct EraContent {
   std::filesystem::path model_file;
   std::string scene;
-  StillOptions still_options;
+  StillContent still_options;
   std::shared_ptr<const Model> model;
   std::shared_ptr<const Image<Rgba8>> still;
 };

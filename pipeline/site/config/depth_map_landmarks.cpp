@@ -14,12 +14,12 @@ constexpr double kAnotherDistance = 0.1;  // of its logarithm
 constexpr double kContrast = 0.75, kContrastSigma = 0.2;
 
 struct LevelBox {
-  PictureBox box;
+  LandmarkBox box;
   double distance_m = 0.0;
   double off_horizon = 0.0;
 };
 
-std::optional<LevelBox> level_box(const SeenScene& scene, const PictureBox& box) {
+std::optional<LevelBox> level_box(const LandmarkContext& scene, const LandmarkBox& box) {
   const auto& map = *scene.distances_m;
   float nearest = 1e9F, farthest = 0.0F;
   for (int y = box.y; y < box.y + box.height; ++y)
@@ -38,7 +38,8 @@ std::optional<LevelBox> level_box(const SeenScene& scene, const PictureBox& box)
 
 }  // namespace
 
-MappedDistance mapped_distance(const SeenScene& scene, const PictureBox& box, const std::optional<RidgeStrip>& ridge) {
+MappedDistance mapped_distance(const LandmarkContext& scene, const LandmarkBox& box,
+                               const std::optional<RidgeStrip>& ridge) {
   MappedDistance found;
   if (!scene.distances_m || scene.distances_m->empty()) return found;
   std::vector<float> known;
@@ -57,13 +58,13 @@ MappedDistance mapped_distance(const SeenScene& scene, const PictureBox& box, co
   return {true, at(0.5), at(0.1), at(0.9)};
 }
 
-double rise_of(const SeenScene& scene, const PictureBox& box, double distance_m) {
+double rise_of(const LandmarkContext& scene, const LandmarkBox& box, double distance_m) {
   if (!scene.camera) return 0.0;
   const auto direction = scene.camera->direction_at({box.x + 0.5 * box.width, box.y + 0.5 * box.height});
   return direction ? distance_m * direction->z : 0.0;
 }
 
-std::vector<ContrastLandmark> landmarks_in(const SeenScene& scene, const std::string& name, int count) {
+std::vector<ContrastLandmark> landmarks_in(const LandmarkContext& scene, const std::string& name, int count) {
   if (!scene.distances_m || scene.distances_m->empty()) return {};
   const int width = std::max(4, scene.width / 24), height = std::max(2, scene.height / 60);
   std::vector<LevelBox> boxes;

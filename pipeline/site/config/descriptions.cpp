@@ -7,10 +7,10 @@
 
 namespace kasumi {
 
-Result<CameraFile> read_camera_file(const std::filesystem::path& file) {
+Result<CalibrationContents> read_camera_file(const std::filesystem::path& file) {
   const auto root = ConfigTable::read_file(file);
   if (!root) return fail(root.error());
-  CameraFile found;
+  CalibrationContents found;
   if (root->if_text("calibration")) adopt_calibration(*root);
   if (auto site = root->optional_table("site")) found.site = read_site(*site);
   found.scene = read_camera(root->table("scene"), "scene");

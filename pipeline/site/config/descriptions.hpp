@@ -11,14 +11,14 @@
 
 namespace kasumi {
 
-struct CameraFile {
+struct CalibrationContents {
   std::optional<Camera> scene, sky;
   std::optional<Site> site;
 };
 
 // [scene] and, if wanted, [sky], [site] (docs/cameras.md), on top of the calibration file they name. Accepts
 // what `kasumi calibrate` wrote and a fixture's description. Errors (bad_input): all problems.
-Result<CameraFile> read_camera_file(const std::filesystem::path& file);
+Result<CalibrationContents> read_camera_file(const std::filesystem::path& file);
 
 struct LandmarkFile {
   std::optional<Camera> scene;  // [scene]; empty: an ordinary sRGB camera

@@ -14,7 +14,7 @@ Result<Fixture> read_fixture(const std::filesystem::path& folder) {
   return fixture;
 }
 
-Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, ReadingOptions options,
+Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, FrameSelection options,
                                       const std::function<void(const PictureView&, const FrameMetadata&)>& use) {
   options.yuv_encoding = camera.yuv_encoding;
   options.width = camera.width;

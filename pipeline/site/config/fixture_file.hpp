@@ -20,7 +20,7 @@ struct Fixture {
 Result<Fixture> read_fixture(const std::filesystem::path& folder);
 
 // The recorded pictures of `camera`, by its name; its encoding and size override those in the options.
-Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, ReadingOptions options,
+Result<PicturesRead> for_each_picture(const Fixture& fixture, const Camera& camera, FrameSelection options,
                                       const std::function<void(const PictureView&, const FrameMetadata&)>& use);
 
 }  // namespace kasumi

@@ -6,15 +6,15 @@ namespace kasumi {
 
 namespace {
 
-double warm(const ThermalZone& zone, const HeatOptions& options) {
+double warm(const ThermalZone& zone, const HeatLimits& options) {
   return options.warm_celsius.value_or(zone.warm_celsius);
 }
-double hot(const ThermalZone& zone, const HeatOptions& options) {
+double hot(const ThermalZone& zone, const HeatLimits& options) {
   return options.hot_celsius.value_or(zone.hot_celsius);
 }
 
 // If all were `hotter` by so much.
-int demanded_by(const std::vector<ThermalZone>& zones, const HeatOptions& options, double hotter_celsius) {
+int demanded_by(const std::vector<ThermalZone>& zones, const HeatLimits& options, double hotter_celsius) {
   int one_of = 1;
   for (const auto& zone : zones) {
     const double celsius = zone.celsius + hotter_celsius;
@@ -25,14 +25,14 @@ int demanded_by(const std::vector<ThermalZone>& zones, const HeatOptions& option
 
 }  // namespace
 
-const ThermalZone* hottest(const std::vector<ThermalZone>& zones, const HeatOptions& options) {
+const ThermalZone* hottest(const std::vector<ThermalZone>& zones, const HeatLimits& options) {
   const auto found = std::min_element(zones.begin(), zones.end(), [&](const ThermalZone& a, const ThermalZone& b) {
     return hot(a, options) - a.celsius < hot(b, options) - b.celsius;
   });
   return found == zones.end() ? nullptr : &*found;
 }
 
-int HeatGovernor::step(Instant now, const std::vector<ThermalZone>& zones, bool throttled, const HeatOptions& options) {
+int HeatGovernor::step(Instant now, const std::vector<ThermalZone>& zones, bool throttled, const HeatLimits& options) {
   if (!options.fewer_pictures) {
     since_.reset();
     return one_of_ = 1;

@@ -9,13 +9,13 @@
 
 namespace kasumi {
 
-struct HeatOptions {
+struct HeatLimits {
   bool fewer_pictures = true;               // false: heat is only reported
   std::optional<double> warm_celsius;       // from here on every second picture; empty: the sensor's own limit
   std::optional<double> hot_celsius;        // from here on every fourth
   double hysteresis_celsius = 5.0;          // so much cooler than a limit before there are more pictures again ..
   Duration hold = std::chrono::minutes(1);  // .. and not sooner after the last change
-  friend bool operator==(const HeatOptions&, const HeatOptions&) = default;
+  friend bool operator==(const HeatLimits&, const HeatLimits&) = default;
 };
 
 struct ThermalZone {
@@ -26,13 +26,13 @@ struct ThermalZone {
 };
 
 // The zone nearest to its limits, the configured ones where there are any; null without zones.
-const ThermalZone* hottest(const std::vector<ThermalZone>& zones, const HeatOptions& options);
+const ThermalZone* hottest(const std::vector<ThermalZone>& zones, const HeatLimits& options);
 
 // A pure state machine: fewer pictures at once, more again one step at a time.
 class HeatGovernor {
  public:
   // `throttled`: the firmware slows the machine down now. Returns of how many pictures one is shown: 1, 2 or 4.
-  int step(Instant now, const std::vector<ThermalZone>& zones, bool throttled, const HeatOptions& options);
+  int step(Instant now, const std::vector<ThermalZone>& zones, bool throttled, const HeatLimits& options);
 
  private:
   int one_of_ = 1;

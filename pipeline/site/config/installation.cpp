@@ -28,17 +28,17 @@ Surroundings read_surroundings(const ConfigTable& table) {
   if (const auto fog = table.optional_table("fog")) found.fog = read_fog(*fog);
   const auto model =
       table.choice("sky_model", {"automatic", "preetham", "dome"}, std::string(name_of(usual.sky_model)));
-  found.sky_model = site_sky_model_named(model).value_or(usual.sky_model);
+  found.sky_model = daylight_model_named(model).value_or(usual.sky_model);
   found.haze_blur_px = table.number("haze_blur_px", {0.0, kWidestPointSpread_px}, usual.haze_blur_px);
   return found;
 }
 
 }  // namespace
 
-SkyToFit Installation::sky_to_fit() const {
+ModelToFit Installation::model_to_fit() const {
   const auto model = resolved(surroundings.sky_model, site.altitude_m, surroundings.air.any());
-  SkyToFit fit{model, site.altitude_m, model == SiteSkyModel::dome ? surroundings.air.to_be_found() : std::nullopt};
-  fit.every_model = surroundings.sky_model == SiteSkyModel::automatic;
+  ModelToFit fit{model, site.altitude_m, model == DaylightModel::dome ? surroundings.air.to_be_found() : std::nullopt};
+  fit.every_model = surroundings.sky_model == DaylightModel::automatic;
   fit.known = surroundings.air;
   return fit;
 }

@@ -28,7 +28,7 @@ struct Surroundings {
   double cloud_base_m = 2000.0;  // above the site: a cloud there may shade the object
   FogLayer fog;
   // Model of the clear sky; automatic: all are fitted and weighted, and the estimated air decides which is drawn.
-  SiteSkyModel sky_model = SiteSkyModel::automatic;
+  DaylightModel sky_model = DaylightModel::automatic;
   GivenAir air;  // what is known of it; the rest is found
   // H's lambda: blur of what lies behind haze of optical depth 1, standard deviation in pixels; 0: none.
   double haze_blur_px = 0.0;
@@ -52,7 +52,7 @@ struct Installation {
 
   // How the air is estimated from the sky camera's picture: by every model, or by the chosen one, which is never
   // automatic.
-  SkyToFit sky_to_fit() const;
+  ModelToFit model_to_fit() const;
 };
 
 // Reads [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration on top of the calibration file it

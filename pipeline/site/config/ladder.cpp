@@ -4,7 +4,7 @@
 
 namespace kasumi {
 
-LadderOptions patient_with(LadderOptions options, Duration frame_interval) {
+LadderTimes patient_with(LadderTimes options, Duration frame_interval) {
   options.held = std::max(options.held, frame_interval * 5 / 2);
   options.late = std::max(options.late, frame_interval * 3 / 2);
   return options;

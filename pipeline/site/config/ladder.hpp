@@ -9,15 +9,15 @@
 
 namespace kasumi {
 
-struct LadderOptions {
+struct LadderTimes {
   Duration held = std::chrono::seconds(2);           // the longest an old picture is shown
   Duration late = std::chrono::milliseconds(500);    // a picture older than that is called held
   Duration steady = std::chrono::milliseconds(500);  // pictures must come for so long before the still goes
   Duration fade = std::chrono::milliseconds(400);
-  friend bool operator==(const LadderOptions&, const LadderOptions&) = default;
+  friend bool operator==(const LadderTimes&, const LadderTimes&) = default;
 };
 // For a slow camera: the same tolerance counted in frames instead of seconds.
-LadderOptions patient_with(LadderOptions options, Duration frame_interval);
+LadderTimes patient_with(LadderTimes options, Duration frame_interval);
 
 // What the render loop observes now.
 struct LadderInput {
@@ -39,18 +39,18 @@ struct Rung {
 
 class Ladder {
  public:
-  explicit Ladder(LadderOptions options = {}) : options_(options) {}
+  explicit Ladder(LadderTimes options = {}) : options_(options) {}
   // The fade to the still ends when the held time does, so no picture older than options.held is ever seen. The result
   // does not depend on how often this is called.
   Rung step(Instant now, const LadderInput& input);
   // Uses these options from now on; the rung stays.
-  void adopt(const LadderOptions& options) { options_ = options; }
+  void adopt(const LadderTimes& options) { options_ = options; }
 
  private:
   Trouble scene_trouble(const LadderInput& input) const;
   Shown rung_for(Instant now, const LadderInput& input, Trouble trouble);
 
-  LadderOptions options_;
+  LadderTimes options_;
   Rung rung_;
   std::optional<Instant> stepped_;
   std::optional<Instant> well_since_;  // since when pictures come again

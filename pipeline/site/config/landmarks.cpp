@@ -16,19 +16,19 @@ namespace {
 constexpr double kWithinSight_m = 400e3;  // Everest from the plains of Bengal; a farther place is a mistake
 constexpr Range kDistances_m{5.0, kWithinSight_m};
 
-std::optional<PictureBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
+std::optional<LandmarkBox> read_box(const ConfigTable& table, std::string_view key, int width, int height) {
   if (!table.has(key)) return std::nullopt;
   const auto numbers = table.numbers(key, 4, {0.0, 100e3});
   if (numbers.size() != 4) return std::nullopt;
-  const PictureBox box{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), static_cast<int>(numbers[2]),
-                       static_cast<int>(numbers[3])};
+  const LandmarkBox box{static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), static_cast<int>(numbers[2]),
+                        static_cast<int>(numbers[3])};
   if (box.width < 1 || box.height < 1 || box.x + box.width > width || box.y + box.height > height)
     table.problem(key, fmt::format("[x, y, width, height] within the scene camera's {} x {} pixels", width, height));
   return box;
 }
 
 // ridge_px and strip_px.
-std::optional<RidgeStrip> read_ridge(const ConfigTable& table, const SeenScene& scene) {
+std::optional<RidgeStrip> read_ridge(const ConfigTable& table, const LandmarkContext& scene) {
   if (!table.has("ridge_px")) return std::nullopt;
   const auto numbers = table.numbers("ridge_px", 0, {0.0, 100e3});
   const double usual = std::max(3.0, std::round(scene.height / 60.0));
@@ -51,7 +51,8 @@ std::optional<RidgeStrip> read_ridge(const ConfigTable& table, const SeenScene& 
 }
 
 // from_depth_map
-void add_mapped_landmarks(const ConfigTable& table, const SeenScene& scene, std::vector<ContrastLandmark>& landmarks) {
+void add_mapped_landmarks(const ConfigTable& table, const LandmarkContext& scene,
+                          std::vector<ContrastLandmark>& landmarks) {
   const int count = table.integer("from_depth_map", {1, 12});
   const auto name = table.text("name", "land");
   if (!scene.distances_m || scene.distances_m->empty()) {
@@ -66,7 +67,8 @@ void add_mapped_landmarks(const ConfigTable& table, const SeenScene& scene, std:
 }
 
 // Where neither distance_m nor a place is given.
-void take_mapped_distance(const ConfigTable& table, const SeenScene& scene, bool has_site, ContrastLandmark& landmark) {
+void take_mapped_distance(const ConfigTable& table, const LandmarkContext& scene, bool has_site,
+                          ContrastLandmark& landmark) {
   const auto mapped = mapped_distance(scene, landmark.surface, landmark.ridge);
   if (!mapped.known)
     return table.problem("distance_m",
@@ -106,7 +108,7 @@ std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site) 
 }
 
 std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, const std::optional<Site>& site,
-                                                      const SeenScene& scene) {
+                                                      const LandmarkContext& scene) {
   std::vector<ContrastLandmark> landmarks;
   for (const auto& table : root.tables("landmarks")) {
     if (table.has("from_depth_map")) {

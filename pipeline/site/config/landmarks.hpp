@@ -25,7 +25,7 @@ struct Landmark {
 std::vector<Landmark> read_landmarks(const ConfigTable& root, const Site& site);
 
 // What is known of the scene camera's picture.
-struct SeenScene {
+struct LandmarkContext {
   int width = 0, height = 0;
   const Camera* camera = nullptr;             // its heading is; null: not
   const Image<float>* distances_m = nullptr;  // [scene] depth_map; null or empty: there is none
@@ -35,6 +35,6 @@ struct SeenScene {
 // region_px, a ridge_px or from_depth_map (docs/operating.md lists their keys). Without a site and a depth map they must
 // give distance_m. Problems are collected in the root's file.
 std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, const std::optional<Site>& site,
-                                                      const SeenScene& scene);
+                                                      const LandmarkContext& scene);
 
 }  // namespace kasumi

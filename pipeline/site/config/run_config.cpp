@@ -130,8 +130,8 @@ DisplayOptions read_display(const ConfigTable& table) {
   return kms;
 }
 
-ClockOptions read_clock(const ConfigTable& table) {
-  ClockOptions clock;
+ClockRules read_clock(const ConfigTable& table) {
+  ClockRules clock;
   const auto policy = table.choice("policy", {"synchronized", "trusted", "from_sky"}, std::string("synchronized"));
   clock.policy = policy == "trusted"    ? ClockPolicy::trusted
                  : policy == "from_sky" ? ClockPolicy::from_sky
@@ -172,9 +172,9 @@ OpeningHours read_opening(const ConfigTable& table, bool zone_matters) {
   return opening;
 }
 
-CheckOptions read_check(const ConfigTable& table, const OpeningHours& opening) {
+CheckSchedule read_check(const ConfigTable& table, const OpeningHours& opening) {
   constexpr Range kMinutes{0.1, 240.0};
-  CheckOptions options;
+  CheckSchedule options;
   const auto time = table.text("time", std::string("13:00"));
   const double length_min = table.number("minutes", kMinutes, 30.0);
   if (time == "never") return options;
@@ -192,8 +192,8 @@ CheckOptions read_check(const ConfigTable& table, const OpeningHours& opening) {
   return options;
 }
 
-LadderOptions read_ladder(const ConfigTable& table) {
-  LadderOptions ladder;
+LadderTimes read_ladder(const ConfigTable& table) {
+  LadderTimes ladder;
   const auto seconds = [&](std::string_view key, Range range, Duration fallback) {
     return from_seconds(table.number(key, range, to_seconds(fallback)));
   };
@@ -206,9 +206,9 @@ LadderOptions read_ladder(const ConfigTable& table) {
   return ladder;
 }
 
-HeatOptions read_heat(const ConfigTable& table) {
+HeatLimits read_heat(const ConfigTable& table) {
   constexpr Range kCelsius{20.0, 120.0};
-  HeatOptions heat;
+  HeatLimits heat;
   heat.fewer_pictures = table.flag("fewer_pictures", heat.fewer_pictures);
   heat.warm_celsius = optional_number(table, "warm_celsius", kCelsius);
   heat.hot_celsius = optional_number(table, "hot_celsius", kCelsius);
@@ -231,10 +231,10 @@ auto section(const ConfigTable& root, std::string_view key, Read read) {
 void read_screen(const ConfigTable& root, RunConfig& config) {
   config.display = section(root, "display", read_display);
   config.still = section(root, "still", [](const ConfigTable& table) {
-    return StillOptions{table.optional_file("picture"), table.text("caption", std::string())};
+    return StillContent{table.optional_file("picture"), table.text("caption", std::string())};
   });
   config.messages = section(root, "words", [](const ConfigTable& table) {
-    MessageOptions options;
+    MessageStyle options;
     const auto language = parse_language(table.text("language", std::string("en")));
     if (language)
       options.language = *language;
@@ -245,15 +245,15 @@ void read_screen(const ConfigTable& root, RunConfig& config) {
     return options;
   });
   config.snapshot = section(root, "snapshot", [](const ConfigTable& table) {
-    return SnapshotOptions{table.flag("sharp", false), table.flag("screen_picture", false)};
+    return SnapshotPermission{table.flag("sharp", false), table.flag("screen_picture", false)};
   });
 }
 
 RunConfig read_run_config(const ConfigTable& root) {
   RunConfig config;
   config.installation = read_installation(root);
-  if (auto& model = config.installation.surroundings.sky_model; model == SiteSkyModel::preetham) {
-    model = SiteSkyModel::automatic;
+  if (auto& model = config.installation.surroundings.sky_model; model == DaylightModel::preetham) {
+    model = DaylightModel::automatic;
     config.sky_model_note =
         "[site] sky_model = \"preetham\": the papers' way is for photographs and replays; a kiosk follows "
         "\"automatic\", "

@@ -29,11 +29,11 @@ struct ReplayCamera {
 using CameraOptions = std::variant<V4l2Options, LibcameraOptions, ReplayCamera>;
 using DisplayOptions = std::variant<KmsDisplayOptions, WindowDisplayOptions, HeadlessDisplayOptions>;
 
-struct StillOptions {
+struct StillContent {
   std::optional<std::filesystem::path> picture;  // empty: a plain background
   std::string caption;
 };
-struct MessageOptions {
+struct MessageStyle {
   Language language = Language::english;
   std::optional<std::filesystem::path> font_file;
   double print = 1.0;          // of the letters' usual size
@@ -42,13 +42,13 @@ struct MessageOptions {
 };
 
 // The daily check of the cameras against their calibration.
-struct CheckOptions {
+struct CheckSchedule {
   std::optional<OpeningHours> hours;  // when pictures are gathered for it; empty: never
   Duration length{};                  // of that time
 };
 
 // What of the screen may leave the kiosk, besides what `kasumi snapshot` always gives its own account.
-struct SnapshotOptions {
+struct SnapshotPermission {
   bool sharp = false;           // to `kasumi snapshot`: pictures in which people can be recognised
   bool screen_picture = false;  // to kasumi-report: blurred ones, at most one a minute
 };
@@ -63,16 +63,16 @@ struct RunConfig {
   Mixing mixing = Mixing::automatic;
   bool overlay = false;  // grid, horizon, the building's axes and landmarks over the picture
   std::string cec;       // the adapter by which a television is switched, "/dev/cec0"; empty: none is
-  StillOptions still;
-  MessageOptions messages;
-  ClockOptions clock;
+  StillContent still;
+  MessageStyle messages;
+  ClockRules clock;
   OpeningHours opening;
   Duration wake_before{};  // opening, the screen is on again
   std::vector<Era> eras;   // by the wall clock of `opening`; empty: always the same is shown
-  CheckOptions check;
-  LadderOptions ladder;
-  SnapshotOptions snapshot;
-  HeatOptions heat;
+  CheckSchedule check;
+  LadderTimes ladder;
+  SnapshotPermission snapshot;
+  HeatLimits heat;
   std::optional<VisitorOptions> visitor;  // empty: visitors choose nothing
   std::optional<std::filesystem::path> state_folder;
   std::optional<std::filesystem::path> visitor_content;  // content.toml; content.hpp reads it

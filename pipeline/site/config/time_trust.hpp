@@ -13,7 +13,7 @@ enum class ClockPolicy {
   trusted,       // always trusted: set by other means, or the cameras play a recording
   from_sky,      // as `synchronized`; until then the sky camera locates the sun
 };
-struct ClockOptions {
+struct ClockRules {
   ClockPolicy policy = ClockPolicy::synchronized;
   Utc earliest{};  // an earlier time is never trusted
 };
@@ -32,15 +32,15 @@ class TimeWatch {
 
 class TimeTrust {
  public:
-  explicit TimeTrust(ClockOptions options = {}) : options_(options) {}
+  explicit TimeTrust(ClockRules options = {}) : options_(options) {}
   // Where to take the sun's position from now. Trust, once gained, lasts until the clock is set: a machine cut off from
   // its time server drifts only by seconds a day.
   SunSource judge(const ClockState& state, Utc now);
   // Other options from now on; trust that was gained stays.
-  void adopt(const ClockOptions& options) { options_ = options; }
+  void adopt(const ClockRules& options) { options_ = options; }
 
  private:
-  ClockOptions options_;
+  ClockRules options_;
   bool gained_ = false;
   std::uint64_t jumps_ = 0;
 };

@@ -10,12 +10,12 @@
 
 #include "base/files.hpp"
 #include "base/fits_header.hpp"
+#include "base/picture_files/embedded_tags.hpp"
 #include "base/picture_files/other_kinds.hpp"
 #include "base/picture_files/picture_file.hpp"
-#include "base/picture_files/picture_tags.hpp"
 #include "base/picture_files/rare_files.hpp"
-#include "base/picture_files/seen_picture.hpp"
 #include "base/picture_files/tiff_directory.hpp"
+#include "base/picture_files/upright_picture.hpp"
 #include "base/picture_header.hpp"
 #include "capture/codec/encode.hpp"
 #include "capture/codec/jpeg.hpp"
@@ -30,7 +30,7 @@ bool is_jpeg(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 2 && bytes[0] == 0xFF && bytes[1] == 0xD8;
 }
 
-Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* damage, TakenAt* taken) {
+Result<UprightPicture> decode_file(const std::filesystem::path& path, std::string* damage, TakenAt* taken) {
   const auto bytes = read_picture_bytes(path);
   if (!bytes) return fail(bytes.error());
   if (const auto other = other_kind(*bytes); !other.empty())
@@ -39,9 +39,9 @@ Result<SeenPicture> decode_file(const std::filesystem::path& path, std::string* 
   if (header)
     if (auto bounded = check_size(*header, kPhotographLimits); !bounded)
       return fail(FaultKind::bad_input, "{}: {}", path.string(), bounded.error().message);
-  SeenPicture image;
+  UprightPicture image;
   if (header) {
-    auto decoded = decode_seen_picture(*header, *bytes);
+    auto decoded = decode_upright_picture(*header, *bytes);
     if (!decoded) return fail(decoded.error().kind, "{}: {}", path.string(), decoded.error().message);
     image = std::move(*decoded);
   }
@@ -87,7 +87,7 @@ std::vector<std::uint8_t> with_tags(std::vector<std::uint8_t> tiff, std::vector<
 }
 
 template <class T>
-Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture, const PictureMarks& marks) {
+Result<std::vector<std::uint8_t>> encode_tiff(const Image<glm::vec<3, T>>& picture, const PngChunks& marks) {
   const auto files = rare_files();
   if (!files) return fail(files.error());
   const cv::Mat rgb(picture.height(), picture.width(), CV_MAKETYPE(cv::DataType<T>::depth, 3),
@@ -169,7 +169,7 @@ Result<> write_photograph(const std::filesystem::path& path, const Photograph& p
   if (!jpeg && extension != ".png" && extension != ".tif" && extension != ".tiff")
     return fail(FaultKind::bad_input, "{}: expected a name that ends in .png, .jpg or .tiff", path.string());
   const bool fine = !jpeg && photograph.quantum < 1.0 / 255.0;
-  const PictureMarks marks{true, time_and_place(photograph.origin, jpeg)};
+  const PngChunks marks{true, time_and_place(photograph.origin, jpeg)};
   const auto& encoded = photograph.encoded;
   if (encoded.empty()) return fail(FaultKind::bad_input, "{}: the picture is empty", path.string());
   constexpr int kJpegQuality = 95;

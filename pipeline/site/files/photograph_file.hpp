@@ -12,7 +12,7 @@ namespace kasumi {
 
 // A file, or a member of an archive (archive_members.hpp): PNG, JPEG; by the module of base/picture_files TIFF, PNM,
 // EXR (where OpenCV was built with it), FITS (light, made sRGB); grey becomes R = G = B. Turned as EXIF says, an ICC
-// profile's colours made sRGB: as a viewer shows it (base/picture_files/seen_picture.hpp), and as a calibration must
+// profile's colours made sRGB: as a viewer shows it (base/picture_files/upright_picture.hpp), and as a calibration must
 // refer to it. Errors: bad_input. A JPEG of which a part is missing is refused, unless `damage` is given, which
 // receives what is wrong with it (empty: nothing). `taken` receives what the file says of time and place.
 Result<Photograph> read_photograph(const std::filesystem::path& path, std::string* damage = nullptr,

@@ -15,7 +15,7 @@
 #include "base/earth.hpp"
 #include "base/finite_number.hpp"
 #include "base/fits_header.hpp"
-#include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/embedded_tags.hpp"
 #include "base/picture_files/tiff_directory.hpp"
 #include "base/utc_text.hpp"
 
@@ -251,7 +251,7 @@ TakenAt taken_at(std::span<const std::uint8_t> file) {
   if (begins("RIFF")) header.format = "WebP";
   if (tiff_start(file)) header.format = "TIFF";
   if (is_heif(file)) header.format = "HEIF";
-  const auto tags = picture_tags(header, file);
+  const auto tags = embedded_tags(header, file);
   return tags ? taken_by_exif(tags->exif) : taken;
 }
 

@@ -92,13 +92,14 @@ TEST(SrgbEncoding, MatchesTheStandard) {
   EXPECT_NEAR(encoded.z, 1.0, 1e-12);
 }
 
-SkyView view_with(SkyProjection projection, double focal_px) {
+PanoramaView view_with(PanoramaProjection projection, double focal_px) {
   return {projection, 400, 300, focal_px, camera_to_world(from_degrees(30.0), from_degrees(20.0), from_degrees(5.0))};
 }
 
 TEST(SkyProjections, RoundTripFromPixelToDirectionAndBack) {
-  for (const auto projection : {SkyProjection::perspective, SkyProjection::fisheye, SkyProjection::equirectangular}) {
-    const SkyView view = view_with(projection, 150.0);
+  for (const auto projection :
+       {PanoramaProjection::perspective, PanoramaProjection::fisheye, PanoramaProjection::equirectangular}) {
+    const PanoramaView view = view_with(projection, 150.0);
     for (int y = 0; y < 300; y += 23)
       for (int x = 0; x < 400; x += 29) {
         const Direction direction = direction_of(view, {x, y});
@@ -113,18 +114,18 @@ TEST(SkyProjections, RoundTripFromPixelToDirectionAndBack) {
 
 TEST(SkyProjections, MapAnglesAsTheirNamesSay) {
   const glm::dvec2 middle(199.5, 149.5);
-  const auto turned = [&](SkyProjection projection, glm::dvec2 by) {
-    const SkyView view = view_with(projection, 100.0);
+  const auto turned = [&](PanoramaProjection projection, glm::dvec2 by) {
+    const PanoramaView view = view_with(projection, 100.0);
     return angle_between(direction_of(view, middle), direction_of(view, middle + by)).value;
   };
-  EXPECT_NEAR(turned(SkyProjection::perspective, {0.0, 100.0}), std::atan(1.0), 1e-12);
-  EXPECT_NEAR(turned(SkyProjection::fisheye, {60.0, 80.0}), 1.0, 1e-12);
-  EXPECT_NEAR(turned(SkyProjection::equirectangular, {0.0, 50.0}), 0.5, 1e-12);
-  EXPECT_NEAR(turned(SkyProjection::equirectangular, {50.0, 0.0}), 0.5, 1e-12);
+  EXPECT_NEAR(turned(PanoramaProjection::perspective, {0.0, 100.0}), std::atan(1.0), 1e-12);
+  EXPECT_NEAR(turned(PanoramaProjection::fisheye, {60.0, 80.0}), 1.0, 1e-12);
+  EXPECT_NEAR(turned(PanoramaProjection::equirectangular, {0.0, 50.0}), 0.5, 1e-12);
+  EXPECT_NEAR(turned(PanoramaProjection::equirectangular, {50.0, 0.0}), 0.5, 1e-12);
 }
 
 TEST(SkyProjections, AFisheyeShowsHalfASphere) {
-  const SkyView view{SkyProjection::fisheye, 300, 300, 300.0 / kPi, glm::dmat3(1.0)};
+  const PanoramaView view{PanoramaProjection::fisheye, 300, 300, 300.0 / kPi, glm::dmat3(1.0)};
   EXPECT_EQ(seen_share(view, {149.5, 1.0}), 1.0);
   EXPECT_EQ(seen_share(view, {20.0, 20.0}), 0.0);
 }
@@ -201,8 +202,8 @@ DomeFunction some_sky(double horizon_sine, double strength) {
   return sky;
 }
 
-SkyScene some_scene() {
-  SkyScene scene;
+DomeScene some_scene() {
+  DomeScene scene;
   scene.sun = direction_from(from_degrees(50.0), from_degrees(120.0));
   scene.altitude_m = 500.0;
   scene.lower_m = 0.0;
@@ -218,18 +219,18 @@ SkyScene some_scene() {
 }
 
 TEST(AnObjectInTheAir, KeepsItsLightAtZeroDistance) {
-  const SkyPainter painter(some_scene());
+  const DomePainter painter(some_scene());
   const glm::dvec3 light(100.0, 200.0, 300.0);
   const glm::dvec3 seen = painter.through_air(light, {0.0, 1.0, 500.0}, 500.0);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], light[c], 2.0);  // cd/m2, of skies of 10,000
 }
 
 TEST(AnObjectInTheAir, FadesIntoTheHorizonsLightFarAway) {
-  SkyScene scene = some_scene();
+  DomeScene scene = some_scene();
   scene.higher = scene.lower;  // the sky is known at the path's own altitude
   scene.lower_m = 499.0;
   scene.higher_m = 501.0;
-  const SkyPainter painter(scene);
+  const DomePainter painter(scene);
   const Direction north(0.0, 1.0, 0.0);
   const glm::dvec3 horizon = sky_text::dome_sky_light(text_of(scene.lower), 0.0, glm::dot(north, scene.sun));
   const glm::dvec3 seen = painter.through_air({0.0, 0.0, 0.0}, {0.0, 400e3, 500.0}, 500.0);
@@ -238,7 +239,7 @@ TEST(AnObjectInTheAir, FadesIntoTheHorizonsLightFarAway) {
 
 TEST(AnObjectInTheAir, LooksTheSameFromBothEndsOfALevelPath) {
   // With sky or ground behind it: the two cases agree.
-  const SkyPainter painter(some_scene());
+  const DomePainter painter(some_scene());
   const glm::dvec3 light(2000.0, 2000.0, 2000.0);
   const glm::dvec3 above = painter.through_air(light, {0.0, 20e3, 500.5}, 500.5);
   const glm::dvec3 below = painter.through_air(light, {0.0, 20e3, 499.5}, 499.5);
@@ -258,10 +259,10 @@ TEST(TheSunsDisc, HasTheGivenMeanLuminance) {
 }
 
 TEST(TheSunsDisc, IsAsLargeAsTheSun) {
-  SkyScene scene = some_scene();
+  DomeScene scene = some_scene();
   scene.sky = some_sky(0.0, 1.0);
   scene.sun_luminance = glm::dvec3(1e9);
-  const SkyPainter painter(scene);
+  const DomePainter painter(scene);
   const auto lit = [&](double off_rad) {
     const Direction view = direction_from(from_degrees(50.0) - Radians{off_rad}, from_degrees(120.0));
     return painter.sky_and_sun(view, 1e-5).y > 1e7;

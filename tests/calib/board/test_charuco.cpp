@@ -129,7 +129,7 @@ TEST(Charuco, PartialViewsOfABoardRecoverTheLens) {
     }
     ASSERT_GE(views.size(), 9u);
     EXPECT_GE(partly, 1);
-    LensCalibrationOptions options;
+    LensCalibrationRequest options;
     options.family = family;
     const auto found = must(calibrate_lens(views, 640, 480, options));
     const auto fitted = make_lens(found->fit.lens);

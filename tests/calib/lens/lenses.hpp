@@ -15,10 +15,10 @@ struct SampleLens {
   int height;
 };
 
-inline ScaramuzzaModel sample_scaramuzza() {
+inline ScaramuzzaParameters sample_scaramuzza() {
   return {{-551.7655, 0.0, 8.372454e-4, -6.474789e-7, 1.235631e-9}, {505.48, 381.78}, 1.003, 1.5e-3, -8e-4, 1024, 768};
 }
-inline PinholeModel sample_pinhole() {
+inline PinholeParameters sample_pinhole() {
   return {{1510.3, 1498.8}, {968.2, 531.7}, {-0.21, 0.085, 1.1e-3, -7e-4, -0.013}};
 }
 constexpr std::array kSampleFisheye{-0.013, 0.021, -0.0074, 0.0011};

@@ -179,7 +179,7 @@ TEST(CornerRefinement, PutsCornersAtTheRimWhereTheyAre) {
     blind.push_back(one.view);
     blind.back().picture.reset();
   }
-  const LensCalibrationOptions options{.family = LensFamily::opencv_fisheye};
+  const LensCalibrationRequest options{.family = LensFamily::opencv_fisheye};
   const auto with = calibrate_lens(found, kWidth, kHeight, options);
   const auto without = calibrate_lens(blind, kWidth, kHeight, options);
   ASSERT_TRUE(with && without);

@@ -17,14 +17,14 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-Result<ImportedLens> imported_from(const std::string& text, const ImportOptions& options = {},
+Result<ImportedLens> imported_from(const std::string& text, const ImportRequest& options = {},
                                    const char* name = "lens.any") {
   const auto folder = test_output_folder() / "foreign";
   std::filesystem::create_directories(folder);
   EXPECT_TRUE(write_text_file(folder / name, text));
   return import_lens(folder / name, options);
 }
-std::string refusal_of(const std::string& text, const ImportOptions& options = {}) {
+std::string refusal_of(const std::string& text, const ImportRequest& options = {}) {
   const auto read = imported_from(text, options);
   return read ? "accepted" : read.error().message;
 }

@@ -32,7 +32,7 @@ TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   const auto plain = must(import_lens(import_file(
       "brown.yml", head + camera + matrix("distortion_coefficients", 5, 1, "-0.2, 0.05, 1e-3, -2e-3, 0.01") +
                        "avg_reprojection_error: 0.25\n")));
-  const auto& brown = std::get<PinholeModel>(plain->lens.model);
+  const auto& brown = std::get<PinholeParameters>(plain->lens.model);
   EXPECT_EQ(brown.focal_px, glm::dvec2(500.5, 501.5));
   EXPECT_EQ(brown.centre, glm::dvec2(319.25, 240.75));
   EXPECT_EQ(brown.distortion, (std::array{-0.2, 0.05, 1e-3, -2e-3, 0.01}));
@@ -43,7 +43,7 @@ TEST(ImportLens, OpencvYamlIsReadWithItsModel) {
   const auto fisheye = must(import_lens(import_file(
       "fisheye.yml",
       head + "fisheye_model: 1\n" + camera + matrix("distortion_coefficients", 4, 1, "-0.01, 0.02, -0.007, 0.001"))));
-  EXPECT_EQ(std::get<OpencvFisheyeModel>(fisheye->lens.model).k, (std::array{-0.01, 0.02, -0.007, 0.001}));
+  EXPECT_EQ(std::get<OpencvFisheyeParameters>(fisheye->lens.model).k, (std::array{-0.01, 0.02, -0.007, 0.001}));
 }
 
 TEST(ImportLens, OpencvXmlIsReadAsWell) {
@@ -54,7 +54,7 @@ TEST(ImportLens, OpencvXmlIsReadAsWell) {
       "</data></K>\n<D type_id=\"opencv-matrix\"><rows>1</rows><cols>5</cols><dt>d</dt><data>0.1 0. 0. 0. "
       "0.</data></D>\n"
       "</opencv_storage>\n")));
-  EXPECT_EQ(std::get<PinholeModel>(lens->lens.model).focal_px, glm::dvec2(400.0, 401.0));
+  EXPECT_EQ(std::get<PinholeParameters>(lens->lens.model).focal_px, glm::dvec2(400.0, 401.0));
 }
 
 TEST(ImportLens, ReportsAllProblemsAtOnce) {

@@ -5,7 +5,7 @@
 namespace kasumi {
 namespace {
 
-PictureCircle picture_with(double x, double y, double radius, double confidence, int width = 640) {
+SizedCircle picture_with(double x, double y, double radius, double confidence, int width = 640) {
   FoundCircle found;
   found.circle = {{x, y}, radius, 1.0};
   found.confidence = confidence;
@@ -16,7 +16,7 @@ PictureCircle picture_with(double x, double y, double radius, double confidence,
 TEST(FixedCircle, OneThatIsUnsureFollowsTheOthers) {
   const auto circles = circles_of_fixed_cameras(
       {picture_with(320.0, 240.0, 200.0, 0.9), picture_with(321.0, 241.0, 201.0, 0.8),
-       picture_with(320.5, 239.0, 200.5, 0.9), picture_with(300.0, 200.0, 150.0, 0.2), PictureCircle{640, 480, {}}});
+       picture_with(320.5, 239.0, 200.5, 0.9), picture_with(300.0, 200.0, 150.0, 0.2), SizedCircle{640, 480, {}}});
   for (const auto& circle : circles) {
     ASSERT_TRUE(circle);
     EXPECT_NEAR(circle->circle.radius_px, 200.5, 0.6);
@@ -27,7 +27,7 @@ TEST(FixedCircle, OneThatIsUnsureFollowsTheOthers) {
 }
 
 TEST(FixedCircle, OneBadlySeenAmongManyFollowsThem) {
-  std::vector<PictureCircle> pictures(5, picture_with(320.0, 240.0, 200.0, 0.9));
+  std::vector<SizedCircle> pictures(5, picture_with(320.0, 240.0, 200.0, 0.9));
   pictures.push_back(picture_with(328.0, 240.0, 195.0, 0.7));
   pictures.back().found->others.push_back({{{320.5, 240.0}, 200.5, 1.0}, 0.4});
   const auto circles = circles_of_fixed_cameras(pictures);
@@ -49,7 +49,7 @@ TEST(FixedCircle, OtherCamerasAndMovedCropsKeepTheirs) {
 
 TEST(FixedCircle, OfOnePictureAndOfNoneNothingChanges) {
   EXPECT_TRUE(circles_of_fixed_cameras({}).empty());
-  const auto circles = circles_of_fixed_cameras({picture_with(320.0, 240.0, 200.0, 0.6), PictureCircle{}});
+  const auto circles = circles_of_fixed_cameras({picture_with(320.0, 240.0, 200.0, 0.6), SizedCircle{}});
   EXPECT_NEAR(circles[0]->confidence, 0.6, 1e-9);
   EXPECT_FALSE(circles[1]);
 }

@@ -282,7 +282,7 @@ TEST(ImageCircle, StrangersCamerasAreUnderstood) {
   const auto folder = kData / "sky/real";
   if (!fs::exists(folder / "labels.csv")) GTEST_SKIP() << "no labelled pictures at " << folder;
   std::map<std::string, std::pair<int, int>> alone, together;  // by camera: right, all
-  std::vector<PictureCircle> all;
+  std::vector<SizedCircle> all;
   const auto pictures = labelled_pictures(folder);
   double seconds = 0.0;
   for (const auto& picture : pictures) {

@@ -43,7 +43,7 @@ struct Rig {
 // A camera of this focal length in pixels, looking nearly level.
 Rig rig(double focal_px, Random& random) {
   Rig made;
-  made.lens = {PinholeModel{{focal_px, focal_px}, {961.0, 537.0}, {-0.08, 0.03, 0.0, 0.0, 0.0}}};
+  made.lens = {PinholeParameters{{focal_px, focal_px}, {961.0, 537.0}, {-0.08, 0.03, 0.0, 0.0, 0.0}}};
   made.to_world = camera_to_world(from_degrees(random.uniform(-180.0, 180.0)), from_degrees(random.uniform(-3.0, 6.0)),
                                   from_degrees(random.uniform(-4.0, 4.0)));
   return made;

@@ -60,7 +60,7 @@ TEST_F(V4l2, EveryFormatDecodesToTheEncodedPicture) {
     SCOPED_TRACE(format);
     const std::uint32_t padding = code == V4L2_PIX_FMT_MJPEG || code == V4L2_PIX_FMT_JPEG ? 0 : 16;
     FakeMode mode{code, 64, 48, {{1, 30}}, padding};
-    EncodeOptions options;
+    EncodingFormat options;
     if (padding != 0)
       options.stride = static_cast<std::uint32_t>(plane_size(*layout_of(four_cc(format)), 64, 48, 0).row_bytes) + 16;
     const auto encoded = encode_frame(picture, four_cc(format), options).value();

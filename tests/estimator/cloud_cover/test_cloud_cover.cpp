@@ -34,14 +34,14 @@ TEST(CloudCover, AClearSkyIsClearInSpiteOfItsWhiteHorizonAndTheSunsGlow) {
   for (const bool sun_known : {true, false}) {
     const CloudCover cover = cover_of(clear_sky, sun_known);
     expect_near(cover, 0.0, 0.06);
-    EXPECT_EQ(cover.sky, SkyClass::clear);
+    EXPECT_EQ(cover.sky, CoverClass::clear);
   }
 }
 
 TEST(CloudCover, AHalfCloudedSkyIsBroken) {
   const CloudCover cover = cover_of(half_clouded);
   expect_near(cover, 0.5, 0.08);
-  EXPECT_EQ(cover.sky, SkyClass::broken);
+  EXPECT_EQ(cover.sky, CoverClass::broken);
   EXPECT_GT(cover.confidence, 0.8);
 }
 
@@ -60,13 +60,13 @@ TEST(CloudCover, TheElementsTellWhereTheCloudsAre) {
 TEST(CloudCover, AnEighthOfCloudIsFew) {
   const CloudCover cover = cover_of(clouds_below(50.0));
   expect_near(cover, 50.0 / 360.0, 0.06);
-  EXPECT_EQ(cover.sky, SkyClass::few);
+  EXPECT_EQ(cover.sky, CoverClass::few);
 }
 
 TEST(CloudCover, AGreySkyIsOvercast) {
   const CloudCover cover = cover_of(cloud, false);
   expect_near(cover, 1.0, 0.05);
-  EXPECT_EQ(cover.sky, SkyClass::overcast);
+  EXPECT_EQ(cover.sky, CoverClass::overcast);
 }
 
 TEST(CloudCover, AWarmOrCoolWhiteBalanceChangesLittle) {
@@ -75,7 +75,7 @@ TEST(CloudCover, AWarmOrCoolWhiteBalanceChangesLittle) {
       return half_clouded(zenith, azimuth) * glm::vec3(gain, 1.0f, 1.0f / gain);
     });
     expect_near(cover, 0.5, 0.12);
-    EXPECT_EQ(cover.sky, SkyClass::broken);
+    EXPECT_EQ(cover.sky, CoverClass::broken);
   }
 }
 
@@ -86,27 +86,27 @@ TEST(CloudCover, AWallAndATreeAreNoCloud) {
     return clear_sky(zenith, azimuth);
   });
   expect_near(cover, 0.0, 0.08);
-  EXPECT_EQ(cover.sky, SkyClass::clear);
+  EXPECT_EQ(cover.sky, CoverClass::clear);
 }
 
 TEST(CloudCover, ADarkPictureIsNight) {
   const CloudCover cover = cover_of([](double, double) { return glm::vec3(0.012f); }, false);
   EXPECT_FALSE(cover.fraction);
-  EXPECT_EQ(cover.sky, SkyClass::night);
+  EXPECT_EQ(cover.sky, CoverClass::night);
 }
 
 TEST(CloudCover, CloudsLitByLampsAreNight) {
   const CloudCover cover = cover_of(
       [](double zenith, double azimuth) { return cloud(zenith, azimuth) * glm::vec3(0.45f, 0.36f, 0.24f); }, false);
   EXPECT_FALSE(cover.fraction);
-  EXPECT_EQ(cover.sky, SkyClass::night);
+  EXPECT_EQ(cover.sky, CoverClass::night);
 }
 
 TEST(CloudCover, WithoutAChannelNothingIsKnown) {
   const CloudCover cover =
       cover_of([](double zenith, double azimuth) { return clear_sky(zenith, azimuth) * glm::vec3(0.02f, 1.0f, 1.0f); });
   EXPECT_FALSE(cover.fraction);
-  EXPECT_EQ(cover.sky, SkyClass::unknown);
+  EXPECT_EQ(cover.sky, CoverClass::unknown);
   EXPECT_NE(cover.reason.find("channel"), std::string::npos) << cover.reason;
   EXPECT_EQ(cover.confidence, 0.0);
 }
@@ -117,7 +117,7 @@ TEST(CloudCover, AGreyCameraDoesNotKnow) {
   for (glm::vec3& v : picture.encoded.elements()) v = glm::vec3(v.g);
   const CloudCover cover = cloud_cover(picture, camera);
   EXPECT_FALSE(cover.fraction);
-  EXPECT_EQ(cover.sky, SkyClass::unknown);
+  EXPECT_EQ(cover.sky, CoverClass::unknown);
 }
 
 TEST(CloudCover, AnOverExposedPictureIsNotKnownOrSaysSo) {
@@ -143,7 +143,7 @@ TEST(CloudCover, AMaskThatHidesAllLeavesNothingToJudge) {
   camera.mask = Image<std::uint8_t>(camera.width, camera.height, 0);
   const CloudCover cover = cloud_cover(picture, camera);
   EXPECT_FALSE(cover.fraction);
-  EXPECT_EQ(cover.sky, SkyClass::unknown);
+  EXPECT_EQ(cover.sky, CoverClass::unknown);
 }
 
 }  // namespace

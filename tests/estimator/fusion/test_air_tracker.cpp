@@ -18,7 +18,7 @@ using Kind = PathReading::Channel::Kind;
 struct Rig {
   Instant now{};
   AirTracker tracker;
-  explicit Rig(AirTrackerOptions options = {}) : tracker(std::move(options)) {}
+  explicit Rig(TrackingRules options = {}) : tracker(std::move(options)) {}
 
   Verdict sky(double aod, double sigma = 0.01, double exponent = 1.3) {
     return tracker.observe(column_reading(aod, sigma, exponent, 0.1), now);
@@ -345,7 +345,7 @@ TEST(AirTracker, RemembersOverARestart) {
 }
 
 TEST(AirTracker, WhatIsGivenStays) {
-  AirTrackerOptions whole;
+  TrackingRules whole;
   whole.given.aod_550 = 0.4;
   whole.given.kind = AerosolKind::dust;
   Rig rig(whole);
@@ -361,7 +361,7 @@ TEST(AirTracker, WhatIsGivenStays) {
   EXPECT_EQ(air.air.covariance(), AerosolCovariance{});
   EXPECT_LT(part(air, AirObserver::sky)->apart_sigmas, -3.0);
 
-  AirTrackerOptions exponent;
+  TrackingRules exponent;
   exponent.given.angstrom_exponent = 0.8;
   Rig other(exponent);
   other.sky(0.1);

@@ -55,8 +55,8 @@ class LowSpectralSky {
   std::vector<glm::dvec3> light_;
 };
 
-SkyToFit every_model() {
-  SkyToFit sky{SiteSkyModel::automatic, 0.0};
+ModelToFit every_model() {
+  ModelToFit sky{DaylightModel::automatic, 0.0};
   sky.every_model = true;
   return sky;
 }

@@ -47,7 +47,7 @@ void add(ChiSquare& chi, AirTracker::Verdict verdict) {
 void live(const Day& day, std::uint64_t seed, ChiSquare& chi) {
   constexpr double kStep_s = 60.0, kHours = 10.0;
   std::mt19937_64 random(seed);
-  const AirTrackerOptions options;
+  const TrackingRules options;
   AirTracker tracker;
   test::Wandering amount(random), exponent(random), relation(random);
   Observer sky(day.sky, random), landmarks(day.landmarks, random);

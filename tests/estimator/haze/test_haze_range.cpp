@@ -22,8 +22,8 @@ Image<float> slanted_wall(int width, int height) {
     for (int x = 0; x < width; ++x) range.at(x, y) = static_cast<float>(slanted_wall_m(x, y));
   return range;
 }
-HazeRangeOptions indoors() {
-  HazeRangeOptions options;
+RangeRules indoors() {
+  RangeRules options;
   options.smallest_sky_share = 1.0;
   return options;
 }
@@ -51,7 +51,7 @@ TEST(HazeRange, InfinityIsSkyAndIndoorsAHole) {
   for (int y = 0; y < 4; ++y)
     for (int x = 10; x < 14; ++x) range.at(x, y) = std::numeric_limits<float>::infinity();
   range.at(60, 40) = 0.0F;
-  HazeRangeOptions options;
+  RangeRules options;
   options.margin_px = 0;
   const auto outdoors = must(prepare_range(range, options));
   EXPECT_EQ(outdoors->holes, 1);
@@ -104,7 +104,7 @@ TEST(HazeRange, TheLargeUndefinedRegionsAreSkyAndTheSmallOnesAreNot) {
       if (x != 120) range.at(x, y) = 0.0F;  // two regions, a mast of one pixel between them
   for (int y = 70; y < 75; ++y)
     for (int x = 50; x < 55; ++x) range.at(x, y) = 0.0F;
-  HazeRangeOptions options;
+  RangeRules options;
   options.sky_range = 1.5;
   const auto made = must(prepare_range(range, options));
   EXPECT_EQ(made->holes, 1);
@@ -179,7 +179,7 @@ TEST(HazeRange, AnEdgeSmearedOverThreePixelsIsStillAnEdge) {
 }
 
 TEST(HazeRange, ReportsEveryProblemOfItsOptions) {
-  HazeRangeOptions options;
+  RangeRules options;
   options.smallest_sky_share = 0.0;
   options.sky_range = 1.0;
   options.margin_px = -1;

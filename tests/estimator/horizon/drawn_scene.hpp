@@ -18,7 +18,7 @@ inline Camera drawn_camera(double pitch_deg = 4.0) {
   camera.name = "scene";
   camera.width = 640;
   camera.height = 360;
-  PinholeModel pinhole;
+  PinholeParameters pinhole;
   pinhole.focal_px = {700.0, 700.0};
   pinhole.centre = {319.5, 179.5};
   camera.lens = pinhole_lens(pinhole);

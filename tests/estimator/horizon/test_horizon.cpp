@@ -194,12 +194,12 @@ TEST(Horizon, SamePictureGivesTheSameBits) {
 }
 
 // A fisheye with its own exposure under the synthetic sky.
-struct SkyView {
+struct PanoramaView {
   Camera camera;
   Image<Rgb8> picture;
 };
-SkyView look_up(double exposure) {
-  SkyView view;
+PanoramaView look_up(double exposure) {
+  PanoramaView view;
   view.camera.name = "sky";
   view.camera.width = view.camera.height = 400;
   view.camera.lens = equidistant_lens({199.5, 199.5}, 195.0 / (kPi / 2.0), from_degrees(92.0));
@@ -218,7 +218,7 @@ SkyView look_up(double exposure) {
 }
 
 TEST(SkyRing, SetsItsLevelByTheBrightestDistantThings) {
-  const SkyView sky = look_up(0.5);
+  const PanoramaView sky = look_up(0.5);
   const Camera camera = drawn_camera(0.0);
   DrawnOptions options;  // a hazy wall of hills, no sky
   options.front = [](int x, int y) { return y < 200 ? glm::dvec3{0.25} : drawn_ground(x, y); };
@@ -244,7 +244,7 @@ TEST(SkyRing, SetsItsLevelByTheBrightestDistantThings) {
 }
 
 TEST(SkyRing, ReportsThatTheRingIsMasked) {
-  SkyView sky = look_up(0.5);
+  PanoramaView sky = look_up(0.5);
   sky.camera.mask = Image<std::uint8_t>(400, 400, 0);
   const Camera camera = drawn_camera();
   const DrawnScene scene = draw(camera, {});

@@ -16,7 +16,7 @@ namespace {
 // 6 deg wide, from .6 deg below the horizon upwards.
 Camera tele_camera() {
   Camera camera = drawn_camera(1.1);
-  PinholeModel pinhole;
+  PinholeParameters pinhole;
   pinhole.focal_px = {6100.0, 6100.0};
   pinhole.centre = {319.5, 179.5};
   camera.lens = pinhole_lens(pinhole);

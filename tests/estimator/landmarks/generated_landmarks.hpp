@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "fixtures/landscape/scene_geometry.hpp"
 #include "fixtures/landscape/scene_view.hpp"
 #include "fixtures/light/air.hpp"
@@ -18,7 +18,7 @@ namespace kasumi {
 constexpr double kValley_m = 400.0;  // the camera's altitude
 
 struct GeneratedView {
-  fixtures::SceneCamera camera;
+  fixtures::PinholeCamera camera;
   fixtures::SceneGeometry geometry;
   std::vector<ContrastLandmark> landmarks;
 };
@@ -65,7 +65,7 @@ inline std::vector<ContrastLandmark> landmarks_on(const fixtures::SceneGeometry&
 }
 
 inline GeneratedView generated_view(std::uint64_t terrain) {
-  fixtures::SceneCameraOptions options;
+  fixtures::PinholeSpec options;
   options.width = 320;
   options.height = 180;
   options.field_of_view_deg = 20.0;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/statistics.hpp"
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "fixtures/noise/random.hpp"
 
 namespace kasumi {

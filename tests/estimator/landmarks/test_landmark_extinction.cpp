@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/landmarks/landmark_air.hpp"
+#include "estimator/landmarks/channel_extinctions.hpp"
 #include "fixtures/noise/random.hpp"
 
 namespace kasumi {
@@ -49,7 +49,7 @@ TEST(LandmarkExtinction, IsKoschmiedersWhereContrastsAreKnown) {
 TEST(LandmarkExtinction, OfTwoSurfacesSideBySideIsTheSame) {
   auto landmarks = at({400.0}, 0.005);
   landmarks[0].contrast = 0.3;
-  landmarks[0].against = PictureBox{0, 0, 1, 1};
+  landmarks[0].against = LandmarkBox{0, 0, 1, 1};
   const LandmarkExtinction law(landmarks, 0.0, kClearest_per_m, 1, kNoSpread);
   const auto found = law.estimate({reading(0.3 * std::exp(-2e-3 * 400.0), 1e-3)});
   ASSERT_EQ(found.kind, ExtinctionKind::value) << found.reason;
@@ -159,7 +159,7 @@ TEST(LandmarkContrast, IsReadInLinearLight) {
     }
   ContrastLandmark landmark;
   landmark.surface = {5, 28, 12, 12};
-  landmark.sky = PictureBox{40, 6, 16, 12};
+  landmark.sky = LandmarkBox{40, 6, 16, 12};
   auto readings = read_contrasts(camera, encoded, {landmark});
   ASSERT_TRUE(readings[0].usable) << readings[0].reason;
   const auto expected = 1.0 - surface / sky;
@@ -192,7 +192,7 @@ TEST(LandmarkContrast, PathsThatClimbHoldLessHaze) {
 class LandmarkAirTest : public testing::Test {
  protected:
   LandmarkAirTest() : watch(camera, 0.0, at({1000.0, 3000.0, 5000.0}, 0.02)) {}
-  LandmarkAir air_of(double turbidity) const {
+  ChannelExtinctions air_of(double turbidity) const {
     std::vector<ContrastReading> readings;
     for (const auto& landmark : watch.landmarks()) {
       // Reference at 1 nm.

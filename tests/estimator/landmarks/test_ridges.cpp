@@ -55,7 +55,7 @@ TEST(RidgeStrip, FollowsASlope) {
   landmark.distance_m = 3000.0;
   landmark.ridge = RidgeStrip{{{10.0, 30.0}, {110.0, 60.0}}, 6.0};
   landmark.surface = landmark.ridge->bounds();
-  landmark.sky = PictureBox{40, 2, 40, 10};
+  landmark.sky = LandmarkBox{40, 2, 40, 10};
   Image<glm::vec3> encoded(120, 80);
   for (int y = 0; y < 80; ++y)
     for (int x = 0; x < 120; ++x) {

@@ -118,7 +118,7 @@ class Estimated {
       : air_(air),
         sun_(at(sun_deg, 0.0)),
         model_(air.aerosol_known() ? ScatteringModel::aerosol : ScatteringModel::morales2017),
-        sky_(SiteSkyModel::automatic, air, sun_, 0.0),
+        sky_(DaylightModel::automatic, air, sun_, 0.0),
         daylight_(camera_, air, sun_, {.ground_albedo = ground_albedo}) {}
 
   Budget budget(const Direction& view) const {

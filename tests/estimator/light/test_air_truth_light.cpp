@@ -129,8 +129,8 @@ TEST(AirTruthLight, SkiesOfALowSunHaveTheRightColours) {
       const SunDirection sun = at(sun_deg, 0.0);
       reference::ReferenceSky truth({.aerosol = aerosol_of(turbidity)}, 40.0,
                                     reference::suns_around_deg(90.0 - sun_deg));
-      const SiteSky shown(SiteSkyModel::automatic, Turbidity{turbidity}, sun, 0.0),
-          preetham(SiteSkyModel::preetham, Turbidity{turbidity}, sun, 0.0);
+      const SiteSky shown(DaylightModel::automatic, Turbidity{turbidity}, sun, 0.0),
+          preetham(DaylightModel::preetham, Turbidity{turbidity}, sun, 0.0);
       std::vector<std::array<glm::dvec3, 3>> lights;
       std::array<double, 3> mean{};
       for (const double elevation : {2.0, 8.0, 20.0, 40.0, 65.0, 88.0})

@@ -22,7 +22,7 @@ const glm::dmat3 kXyzToSrgb = glm::inverse(srgb_to_xyz());
 
 TEST(Zeta, TowardTheSunTheFullRatioFallsWhereThePapersRises) {
   // physics 5: from 80 to 89 deg, T = 2.94, the sun at 58.4 deg in the same azimuth
-  const SkyModel model(Turbidity{2.94}, at_deg(58.4, 180.0));
+  const PreethamSky model(Turbidity{2.94}, at_deg(58.4, 180.0));
   const Direction reference = at_deg(80.0, 180.0), view = at_deg(89.0, 180.0);
   EXPECT_NEAR(zeta(ZetaForm::full, model, view, reference, kLuminanceOnly).y, .820, 5e-4);
   EXPECT_NEAR(zeta(ZetaForm::paper, model, view, reference, kLuminanceOnly).y, 1.028, 5e-4);
@@ -33,13 +33,13 @@ TEST(Zeta, ThePapersFormIsItsEq13) {
   const auto factor = [t](double degrees) {
     return 1.0 + (.1787 * t - 1.4630) * std::exp((-.3554 * t + .4275) / std::cos(degrees * kPi / 180.0));
   };
-  const SkyModel model(Turbidity{t}, at_deg(40.0, 90.0));
+  const PreethamSky model(Turbidity{t}, at_deg(40.0, 90.0));
   EXPECT_NEAR(zeta(ZetaForm::paper, model, at_deg(87.0, 10.0), at_deg(82.0, 10.0), kXyzToSrgb).x,
               factor(87.0) / factor(82.0), 1e-12);
 }
 
 TEST(Zeta, IsTheRatioOfTheModelsColours) {
-  const SkyModel model(Turbidity{3.0}, at_deg(50.0, 120.0));
+  const PreethamSky model(Turbidity{3.0}, at_deg(50.0, 120.0));
   const Direction view = at_deg(88.0, 60.0), reference = at_deg(78.0, 45.0);
   const glm::dvec3 expected = (kXyzToSrgb * model.xyz(view)) / (kXyzToSrgb * model.xyz(reference));
   const glm::dvec3 found = zeta(ZetaForm::full, model, view, reference, kXyzToSrgb);
@@ -47,7 +47,7 @@ TEST(Zeta, IsTheRatioOfTheModelsColours) {
 }
 
 TEST(Zeta, IsOneAtItsReferenceAndTheHorizonsBelowTheHorizon) {
-  const SkyModel model(Turbidity{2.5}, at_deg(30.0, 200.0));
+  const PreethamSky model(Turbidity{2.5}, at_deg(30.0, 200.0));
   const Direction reference = at_deg(84.0, 10.0);
   for (const auto form : {ZetaForm::full, ZetaForm::paper}) {
     const glm::dvec3 same = zeta(form, model, reference, reference, kXyzToSrgb);
@@ -66,8 +66,8 @@ TEST(Zeta, IsPositiveAndFiniteForAnyTurbiditySunAndDirection) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
   };
   for (int i = 0; i < 20000; ++i) {
-    const SkyModel model(Turbidity{uniform(0.0, 30.0)},
-                         raised_to_horizon(at_deg(uniform(0.0, 120.0), uniform(0.0, 360.0))));
+    const PreethamSky model(Turbidity{uniform(0.0, 30.0)},
+                            raised_to_horizon(at_deg(uniform(0.0, 120.0), uniform(0.0, 360.0))));
     Direction view = at_deg(uniform(0.0, 180.0), uniform(0.0, 360.0));
     if (i % 10 == 0) view = model.sun();       // into the sun
     if (i % 10 == 1) view = {0.0, 0.0, -1.0};  // nadir
@@ -84,7 +84,7 @@ TEST(Zeta, IsPositiveAndFiniteForAnyTurbiditySunAndDirection) {
 }
 
 // The model's sky as measured by a perfect camera with linear sRGB channels and an unknown gain.
-HorizonLight measured(const SkyModel& model, double gain, double first_azimuth, double last_azimuth, double zenith) {
+HorizonLight measured(const PreethamSky& model, double gain, double first_azimuth, double last_azimuth, double zenith) {
   HorizonLight horizon;
   horizon.source = HorizonLight::Source::scene_camera;
   constexpr int kColumns = 9;
@@ -98,7 +98,7 @@ HorizonLight measured(const SkyModel& model, double gain, double first_azimuth, 
 
 TEST(Airlight, CarriesAHorizonMeasuredHigherUpToWhatTheModelShowsThere) {
   const SunDirection sun = at_deg(55.0, 150.0);
-  const SkyModel model(Turbidity{2.94}, sun);
+  const PreethamSky model(Turbidity{2.94}, sun);
   const double gain = 0.037;
   const Airlight airlight(measured(model, gain, 330.0, 390.0, 80.0), Turbidity{2.94}, sun, srgb_to_xyz());
   for (const double azimuth : {331.0, 345.0, 0.0, 13.0, 29.0}) {
@@ -113,7 +113,7 @@ TEST(Airlight, CarriesAHorizonMeasuredHigherUpToWhatTheModelShowsThere) {
 
 TEST(Airlight, HoldsTheMeasuredEdgeBeyondTheViewAndFollowsTheModelFromThere) {
   const SunDirection sun = at_deg(40.0, 90.0);
-  const SkyModel model(Turbidity{4.0}, sun);
+  const PreethamSky model(Turbidity{4.0}, sun);
   const Airlight airlight(measured(model, 1.0, 350.0, 370.0, 85.0), Turbidity{4.0}, sun, srgb_to_xyz());
   const Direction outside = at_deg(86.0, 40.0);
   const glm::dvec3 expected = kXyzToSrgb * model.xyz(outside), found = airlight.from(outside);
@@ -156,7 +156,7 @@ TEST(HorizonBlend, MovesFromThePreviousToTheCurrentByItsWeight) {
 TEST(FinitePath, LeavesPreethamsWorldAsItIs) {
   const Direction sun = direction_from(from_degrees(50.0), from_degrees(200.0));
   const AirState air{Turbidity{3.0}};
-  const FinitePath paths(SiteSky(SiteSkyModel::automatic, air, sun, 300.0), air, sun, 300.0, glm::dmat3(1.0));
+  const FinitePath paths(SiteSky(DaylightModel::automatic, air, sun, 300.0), air, sun, 300.0, glm::dmat3(1.0));
   EXPECT_EQ(paths.factor({0.0, 1.0, 0.0}, 80.0, glm::dvec3(0.7)), glm::dvec3(1.0));
 }
 

@@ -17,7 +17,7 @@ struct CardsInView : testing::Test {
   Camera camera = plain_camera(kWidth, kHeight, from_degrees(50.0), Radians{0.0});
   SunDirection sun = direction_from(from_degrees(50.0), from_degrees(220.0));
   AirState air{Aerosol{0.1, 1.3, AerosolKind::continental}};
-  Daylight daylight{camera, air, sun, {SkyCondition::clear, 0.2, 100.0, SiteSkyModel::dome}};
+  Daylight daylight{camera, air, sun, {SkyCondition::clear, 0.2, 100.0, DaylightModel::dome}};
   LightCard lit{"lit", 10, 30, 8, 6, glm::dvec3{0.4}, direction_from(from_degrees(90.0), from_degrees(200.0))};
   LightCard shaded{"shaded", 40, 30, 8, 6, {0.5, 0.4, 0.3}, direction_from(from_degrees(90.0), from_degrees(20.0))};
 

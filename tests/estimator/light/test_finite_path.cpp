@@ -32,7 +32,7 @@ PathErrors errors_of(const PathCase& at) {
   const Direction sun = direction_from(from_degrees(90.0 - at.sun_elevation_deg), from_degrees(240.0));
   const AirState air{aerosol};
   const glm::dmat3 to_srgb = xyz_to_linear_srgb();
-  const FinitePath paths(SiteSky(SiteSkyModel::dome, air, sun, at.altitude_m), air, sun, at.altitude_m, to_srgb);
+  const FinitePath paths(SiteSky(DaylightModel::dome, air, sun, at.altitude_m), air, sun, at.altitude_m, to_srgb);
   const auto srgb = [&](const std::vector<double>& light) { return to_srgb * truth.xyz_of(light); };
   PathErrors worst;
   for (const double elevation_deg : {-0.5, 0.4, 1.3, 2.6})

@@ -56,7 +56,7 @@ TEST(Daylight, AGreySphereIsLitAsByBruteForceOverSunSkyAndGround) {
   // All sides of it in each channel: the sunlit side, the shaded side, the one facing the horizon, the underside.
   for (const double t : {2.0, 2.6, 4.0, 8.0})
     for (const double sun_zenith : {20.0, 45.0, 52.0, 60.0, 75.0, 81.0, 85.0}) {
-      DaylightOptions options;
+      DaylightConditions options;
       const SunDirection sun = at_deg(sun_zenith, 200.0);
       const Daylight daylight(srgb_camera(), Turbidity{t}, sun, options);
       const auto& light = daylight.on_object();
@@ -88,7 +88,7 @@ TEST(Daylight, AGreySphereIsLitAsByBruteForceOverSunSkyAndGround) {
 TEST(Daylight, TheSkyLightsTheLevelGroundAsTheClearSkyModelSays) {
   for (const double t : {2.0, 3.0, 6.0})
     for (const double zenith : {20.0, 50.0, 75.0}) {
-      const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 180.0), {.model = SiteSkyModel::preetham});
+      const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 180.0), {.model = DaylightModel::preetham});
       const auto luminance = [&](const Direction& d) { return srgb_to_xyz() * (683.0 * daylight.airlight(d)); };
       const double expected = clear_sky_lux(Turbidity{t}, from_degrees(zenith), 0.0, 0.2);
       EXPECT_NEAR(gathered(cones_of(luminance), kUp).y / expected, 1.0, 5e-3) << t << " " << zenith;
@@ -124,7 +124,7 @@ TEST(Daylight, TheHorizonIsWhatScatteringAirUnderThatSunAndSkyShines) {
 }
 
 TEST(Daylight, AnOvercastSkyIsCiesWithoutSunAndWhiteIsOneAt683Candela) {
-  DaylightOptions options;
+  DaylightConditions options;
   options.sky = SkyCondition::overcast;
   const double zenith_deg = 40.0;
   const Daylight daylight(srgb_camera(), Turbidity{5.0}, at_deg(zenith_deg, 10.0), options);
@@ -144,7 +144,7 @@ TEST(Daylight, ASensorSeesTheDaylightOfTheSkysChromaticity) {
   const Camera camera = sensor_camera();
   const Daylight daylight(camera, Turbidity{3.0}, sun);
   const Direction view = at_deg(85.0, 40.0);
-  const glm::dvec3 Yxy = SkyModel(Turbidity{3.0}, sun).luminance_and_chromaticity(view);
+  const glm::dvec3 Yxy = PreethamSky(Turbidity{3.0}, sun).luminance_and_chromaticity(view);
   double luminance = 0.0;
   glm::dvec3 channels{0.0};
   for (int nm = 380; nm <= 780; ++nm) {
@@ -186,7 +186,7 @@ TEST(Daylight, IsPositiveAndFiniteForEveryTurbidityAndSun) {
   for (const double t : {1.0, 1.7, 2.0, 5.0, 12.0, 20.0, 40.0}) {
     for (const double zenith : {0.0, 30.0, 60.0, 80.0, 87.0, 89.9, 91.0, 100.0, 170.0}) {
       for (const auto sky : {SkyCondition::clear, SkyCondition::overcast}) {
-        DaylightOptions options;
+        DaylightConditions options;
         options.sky = sky;
         const Daylight daylight(srgb_camera(), Turbidity{t}, at_deg(zenith, 30.0), options);
         for (const Direction& view : {kUp, at_deg(90.0, 30.0), at_deg(95.0, 200.0), at_deg(zenith, 30.0), -kUp}) {

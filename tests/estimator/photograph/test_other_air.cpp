@@ -26,8 +26,8 @@ Photograph colourful() {
   return photograph;
 }
 
-OtherAirOptions options_for(const AirState& source) {
-  OtherAirOptions options;
+SourceConditions options_for(const AirState& source) {
+  SourceConditions options;
   options.camera = plain_camera(kWidth, kHeight, from_degrees(40.0), Radians{0.0});
   options.source = source;
   options.airlight = kAirlight;

@@ -14,13 +14,13 @@ TEST(AirOnTheWay, IsLightUnderEverySunAndInEveryAir) {
   for (const double aod_550 : {0.0, 0.02, 0.3, 1.8})
     for (const double sun_zenith_deg : {0.0, 0.5, 30.0, 80.0, 90.0, 97.0})
       for (const double altitude_m : {0.0, 300.0, 3600.0, 12000.0, 30000.0}) {
-        SkyRequest request;
+        DomeRequest request;
         request.like = Aerosol{aod_550, 1.3, AerosolKind::dust};
         request.turbidity = {turbidity_of(*request.like)};
         request.altitude_m = altitude_m;
         request.sun = direction_from(from_degrees(sun_zenith_deg), Radians{1.0});
-        const SkyScene scene = sky_scene(request);
-        const SkyPainter painter(scene);
+        const DomeScene scene = sky_scene(request);
+        const DomePainter painter(scene);
         for (const double down : {-0.3, 0.02, 0.2, 0.9}) {
           const double end_m = altitude_m * 0.4, length_m = std::max(altitude_m - end_m, 500.0) / std::abs(down);
           const glm::dvec3 view(0.0, std::sqrt(1.0 - down * down), -down);

@@ -22,7 +22,7 @@ struct Found {
   double bound = 0.0;
 };
 // 8 bits of sRGB with the sun's disc and shot noise.
-Found look_at(double altitude_m, double turbidity, double sun_zenith_deg, double clouds, SiteSkyModel fitted) {
+Found look_at(double altitude_m, double turbidity, double sun_zenith_deg, double clouds, DaylightModel fitted) {
   static const Camera camera = upward_camera(200);
   SyntheticSky description;
   description.sun_zenith_deg = sun_zenith_deg;
@@ -33,7 +33,7 @@ Found look_at(double altitude_m, double turbidity, double sun_zenith_deg, double
   const DomeFunction sky = dome(altitude_m, Turbidity{turbidity}, sun);
   description.clear = [&](const Direction& view) { return 1e-3 * dome_light(sky, view); };
   const auto picture = render(description, camera).to_8_bit();
-  EstimateOptions options;
+  EstimateParameters options;
   options.sky = {fitted, altitude_m};
   const auto look = SkyObserver(camera).observe(*sky_picture(view_of(picture), camera), sun, options);
   return {look.estimate, cramer_rao_sigma(look.samples, Turbidity{turbidity}, false, FittedSky(options.sky, sun))};
@@ -52,7 +52,7 @@ TEST_P(DomeFit, ThePicturesOfADomeTellItsAerosol) {
       fmt::print("{:.0f} % clouds, {:4.0f} m, sun {:.0f} deg:", 100 * clouds, altitude_m, sun_zenith_deg);
       for (std::size_t i = 0; i < turbidities.size(); ++i) {
         const double turbidity = turbidities[i];
-        const auto [found, bound] = look_at(altitude_m, turbidity, sun_zenith_deg, clouds, SiteSkyModel::dome);
+        const auto [found, bound] = look_at(altitude_m, turbidity, sun_zenith_deg, clouds, DaylightModel::dome);
         fmt::print("  {} {:.2f} +- {:.2f} ({:.2f})", turbidity, found.turbidity.value, found.sigma, bound);
         EXPECT_TRUE(found.usable) << found.reason;
         EXPECT_LT(std::abs(found.turbidity.value - turbidity), 0.02 * turbidity);
@@ -86,7 +86,7 @@ TEST(DomeFit, SkiesOfTheSpectralAtmosphereAreFoundBetweenTheNodesOfTheTable) {
               return atmosphere.xyz({altitude_m, view, sun}).y;
             },
             sun, 300, 0.005);
-        const FittedSky sky({SiteSkyModel::dome, altitude_m}, sun);
+        const FittedSky sky({DaylightModel::dome, altitude_m}, sun);
         const auto found = solve_turbidity(samples, {}, sky);
         const auto preetham = solve_turbidity(samples);
         fmt::print(

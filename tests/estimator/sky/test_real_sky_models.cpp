@@ -12,7 +12,7 @@
 
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome.hpp"
-#include "estimator/sky/sky_model.hpp"
+#include "estimator/sky/preetham.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
 #include "tests/alpnach.hpp"
 #include "tests/places.hpp"
@@ -155,7 +155,7 @@ TEST(RealSky, DISABLED_WhoseSkyIsNearer) {
     };
     Models preetham, domes, spectral;
     for (double t = 1.7; t < 10.01; t *= std::pow(10.0 / 1.7, 1.0 / 30)) {
-      const SkyModel model(Turbidity{t}, sun);
+      const PreethamSky model(Turbidity{t}, sun);
       preetham.emplace_back(t, over([&](const Direction& view) { return model.relative_xyz(view); }));
       const DomeFunction sky = dome(kAltitude_m, Turbidity{t}, sun);
       domes.emplace_back(t, over([&](const Direction& view) { return dome_light(sky, view); }));

@@ -23,8 +23,8 @@ glm::dvec2 chromaticity(const glm::dvec3& xyz) {
 
 TEST(SiteSky, IsPreethamsOnLowLandToTheLastBit) {
   const SunDirection sun = at_deg(50.0, 120.0);
-  const SkyModel model(Turbidity{2.9}, sun);
-  const SiteSky sky(SiteSkyModel::automatic, Turbidity{2.9}, sun, kHighestPreethamSite_m);
+  const PreethamSky model(Turbidity{2.9}, sun);
+  const SiteSky sky(DaylightModel::automatic, Turbidity{2.9}, sun, kHighestPreethamSite_m);
   EXPECT_FALSE(sky.zenith_cd_m2());
   for (const double zenith : {0.0, 40.0, 80.0, 89.0})
     EXPECT_EQ(sky.relative_xyz(at_deg(zenith, 30.0)), model.relative_xyz(at_deg(zenith, 30.0)));
@@ -32,21 +32,21 @@ TEST(SiteSky, IsPreethamsOnLowLandToTheLastBit) {
 
 TEST(SiteSky, TheModelIsTheOneAskedForWhateverTheAltitude) {
   const SunDirection sun = at_deg(50.0, 120.0);
-  EXPECT_TRUE(SiteSky(SiteSkyModel::dome, Turbidity{2.9}, sun, 0.0).zenith_cd_m2());
-  EXPECT_FALSE(SiteSky(SiteSkyModel::preetham, Turbidity{2.9}, sun, 4000.0).zenith_cd_m2());
-  EXPECT_TRUE(SiteSky(SiteSkyModel::automatic, Turbidity{2.9}, sun, 4000.0).zenith_cd_m2());
+  EXPECT_TRUE(SiteSky(DaylightModel::dome, Turbidity{2.9}, sun, 0.0).zenith_cd_m2());
+  EXPECT_FALSE(SiteSky(DaylightModel::preetham, Turbidity{2.9}, sun, 4000.0).zenith_cd_m2());
+  EXPECT_TRUE(SiteSky(DaylightModel::automatic, Turbidity{2.9}, sun, 4000.0).zenith_cd_m2());
 }
 
 TEST(SiteSky, AKnownAerosolIsTheDomes) {
   const SunDirection sun = at_deg(50.0, 120.0);
   const Aerosol dust{0.5, -0.1, AerosolKind::dust};
-  const SiteSky sky(SiteSkyModel::automatic, dust, sun, 100.0);
+  const SiteSky sky(DaylightModel::automatic, dust, sun, 100.0);
   EXPECT_EQ(sky.dome_share(), 1.0);
   const auto truth = dome(100.0, dust, sun);
   const Direction view = at_deg(70.0, 30.0);
   const glm::dvec3 light = *sky.zenith_cd_m2() * sky.relative_xyz(view), expected = dome_light(truth, view);
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(light[c] / expected[c], 1.0, 1e-9);
-  EXPECT_EQ(SiteSky(SiteSkyModel::preetham, dust, sun, 100.0).dome_share(), 0.0) << "asked for";
+  EXPECT_EQ(SiteSky(DaylightModel::preetham, dust, sun, 100.0).dome_share(), 0.0) << "asked for";
 }
 
 TEST(SiteSky, UnderALowSunLowLandsSkyFadesIntoTheDomeWithoutAJump) {
@@ -57,8 +57,8 @@ TEST(SiteSky, UnderALowSunLowLandsSkyFadesIntoTheDomeWithoutAJump) {
   glm::dvec3 light_before{0.0};
   for (double elevation = 10.0; elevation <= 18.0; elevation += 0.1) {
     const SunDirection sun = at_deg(90.0 - elevation, 120.0);
-    const SiteSky sky(SiteSkyModel::automatic, Turbidity{2.8}, sun, 0.0);
-    EXPECT_EQ(SiteSky(SiteSkyModel::preetham, Turbidity{2.8}, sun, 0.0).dome_share(), 0.0);
+    const SiteSky sky(DaylightModel::automatic, Turbidity{2.8}, sun, 0.0);
+    EXPECT_EQ(SiteSky(DaylightModel::preetham, Turbidity{2.8}, sun, 0.0).dome_share(), 0.0);
     if (elevation < 11.9) {
       EXPECT_EQ(sky.dome_share(), 1.0);
     }
@@ -74,16 +74,16 @@ TEST(SiteSky, UnderALowSunLowLandsSkyFadesIntoTheDomeWithoutAJump) {
 }
 
 TEST(SiteSky, NamesAreReadBack) {
-  for (const auto model : {SiteSkyModel::automatic, SiteSkyModel::preetham, SiteSkyModel::dome})
-    EXPECT_EQ(site_sky_model_named(name_of(model)), model);
-  EXPECT_FALSE(site_sky_model_named("hosek"));
+  for (const auto model : {DaylightModel::automatic, DaylightModel::preetham, DaylightModel::dome})
+    EXPECT_EQ(daylight_model_named(name_of(model)), model);
+  EXPECT_FALSE(daylight_model_named("hosek"));
 }
 
 TEST(SiteSky, HigherUpTheZenithDarkensAndTurnsABlueOfAirAlone) {
   const SunDirection sun = at_deg(45.0, 180.0);
   double before = 1e9, before_y = 1.0;
   for (const double altitude_m : {0.0, 2000.0, 4000.0, 6000.0}) {
-    const SiteSky sky(SiteSkyModel::dome, Turbidity{3.0}, sun, altitude_m);
+    const SiteSky sky(DaylightModel::dome, Turbidity{3.0}, sun, altitude_m);
     const double zenith = *sky.zenith_cd_m2(), y = chromaticity(sky.relative_xyz({0.0, 0.0, 1.0})).y;
     EXPECT_LT(zenith, before) << altitude_m;
     EXPECT_LT(y, before_y) << altitude_m;
@@ -116,11 +116,11 @@ TEST(SiteSky, TheDomeLightsTheGroundAsSpctral2Has) {
 TEST(SiteSky, AHighSitesObjectIsLitByTheDome) {
   Camera camera;
   camera.colour_space = Camera::ColourSpace::srgb;
-  DaylightOptions options;
+  DaylightConditions options;
   options.altitude_m = 3000.0;
   const SunDirection sun = at_deg(45.0, 200.0);
   const Daylight high(camera, Turbidity{2.1}, sun, options);
-  options.model = SiteSkyModel::preetham;
+  options.model = DaylightModel::preetham;
   const Daylight as_on_low_land(camera, Turbidity{2.1}, sun, options);
   // With less air above there is more sunlight and less skylight, and the zenith is a purer blue.
   EXPECT_GT(high.sun_normal_lux(), 100e3);
@@ -134,7 +134,7 @@ TEST(SiteSky, AHighSitesObjectIsLitByTheDome) {
 
 TEST(SiteSky, CarriesAMeasuredHorizonUpAsTheDomeGoes) {
   const SunDirection sun = at_deg(50.0, 200.0);
-  const SiteSky sky(SiteSkyModel::dome, Turbidity{2.5}, sun, 3000.0);
+  const SiteSky sky(DaylightModel::dome, Turbidity{2.5}, sun, 3000.0);
   const glm::dmat3 to_srgb = glm::inverse(srgb_to_xyz());
   HorizonLight horizon;
   horizon.source = HorizonLight::Source::scene_camera;

@@ -15,7 +15,7 @@ Utc at(int year, unsigned month, unsigned day, int hour, int minute, int second)
 // Reda and Andreas, NREL/TP-560-34302, appendix A.5.
 TEST(Sun, StandsWhereNrelsPublishedExampleHasIt) {
   const Site golden{"Golden", 39.742476, -105.1786, 1830.14};
-  const SunPosition sun = sun_position(at(2003, 10, 17, 19, 30, 30), golden, AirAtSite{820.0, 11.0, 0.0});
+  const SunPosition sun = sun_position(at(2003, 10, 17, 19, 30, 30), golden, SurfaceWeather{820.0, 11.0, 0.0});
   EXPECT_NEAR(to_degrees(sun.zenith), 50.111622, 0.003);
   EXPECT_NEAR(to_degrees(sun.azimuth), 194.340241, 0.003);
   RecordProperty("zenith_deg", std::to_string(to_degrees(sun.zenith)));
@@ -50,7 +50,7 @@ TEST(Sun, StandsAtTheZenithOfTheSubsolarPointAtTheEquinox) {
 // Bennett's formula gives 28.98 arc minutes at the horizon, 5.31 at 10 deg, for 1010 hPa and 10 C.
 TEST(Sun, IsLiftedByRefraction) {
   const Site site{"", 34.47, 135.82, 0.0};
-  const AirAtSite air{1010.0, 10.0, 0.0}, nothing{0.0, 10.0, 0.0};
+  const SurfaceWeather air{1010.0, 10.0, 0.0}, nothing{0.0, 10.0, 0.0};
   Utc utc = at(2026, 6, 21, 3, 0, 0);
   while (to_degrees(sun_position(utc, site, nothing).zenith) < 80.0) utc += seconds{20};
   const double lift =

@@ -14,7 +14,7 @@ using testing::HasSubstr;
 constexpr int kSize = 260;
 
 struct Day {
-  std::vector<SkyMoment> moments;
+  std::vector<SunMoment> moments;
   Camera camera;
 };
 
@@ -23,7 +23,7 @@ struct Day {
 Day day(std::uint64_t seed, double turbidity, int pictures, double cloud_cover = 0.0, double sky_error = 0.0) {
   Day made;
   for (int i = 0; i < pictures; ++i) {
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.size = kSize;
     recipe.seed = 100 * seed + static_cast<std::uint64_t>(i);
     recipe.noise = recipe.vignetting = recipe.obstructions = true;
@@ -53,7 +53,7 @@ Day day(std::uint64_t seed, double turbidity, int pictures, double cloud_cover =
 }
 
 // The largest error of the illumination within `reach` of the 90 deg that the lens images; relative.
-double worst(const SkyVignetting& found, const Camera& truth, double reach = 80.0 / 90.0) {
+double worst(const FoundVignetting& found, const Camera& truth, double reach = 80.0 / 90.0) {
   double largest = 0.0;
   for (double r = 0.0; r <= reach; r += 0.02) {
     const glm::dvec2 pixel = truth.vignetting.centre + glm::dvec2{0.5 * kSize * r, 0.0};
@@ -63,7 +63,7 @@ double worst(const SkyVignetting& found, const Camera& truth, double reach = 80.
   return largest;
 }
 
-TEST(SkyVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
+TEST(FoundVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
   for (const auto& [seed, turbidity, clouds] :
        {std::tuple{1, 2.7, 0.0}, std::tuple{2, 3.6, 0.0}, std::tuple{3, 5.1, 0.0}, std::tuple{4, 4.0, 0.3}}) {
     const auto made = day(static_cast<std::uint64_t>(seed), turbidity, 6, clouds);
@@ -78,14 +78,14 @@ TEST(SkyVignetting, SkiesThatFollowTheModelGiveTheLensToAPercent) {
   }
 }
 
-TEST(SkyVignetting, ASkyBrighterAtTheRimThanTheModelIsMistakenForTheLensWithinTheStatedError) {
+TEST(FoundVignetting, ASkyBrighterAtTheRimThanTheModelIsMistakenForTheLensWithinTheStatedError) {
   const auto made = day(5, 3.4, 6, 0.0, 0.03);
   const auto found = must(vignetting_from_sky(made.camera, made.moments));
   EXPECT_NEAR(found->by_3_percent_at_rim, 0.03, 0.003);
   EXPECT_NEAR(worst(*found, made.camera), 0.03, 0.02);
 }
 
-TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnown) {
+TEST(FoundVignetting, OnePictureIsRefusedUnlessTIsKnown) {
   const auto made = day(6, 3.0, 1);
   const auto refused = vignetting_from_sky(made.camera, made.moments);
   ASSERT_FALSE(refused);
@@ -93,14 +93,14 @@ TEST(SkyVignetting, OnePictureIsRefusedUnlessTIsKnown) {
   EXPECT_THAT(refused.error().message, HasSubstr("1 picture with the sun in one place"));
   EXPECT_THAT(refused.error().message, testing::ContainsRegex("change the illumination at the rim by [0-9]+ %"));
 
-  SkyVignettingOptions known;
+  VignettingRequest known;
   known.turbidity = KnownTurbidity{3.0 + 0.2 * std::sin(6.0), 0.02};
   const auto found = must(vignetting_from_sky(made.camera, made.moments, known));
   EXPECT_LE(std::abs(worst(*found, made.camera)), 0.015);
   EXPECT_LE(found->by_3_percent_about_sun, 0.1);  // with T fitted it is several times that
 }
 
-TEST(SkyVignetting, ReportsThatThereIsNoClearSky) {
+TEST(FoundVignetting, ReportsThatThereIsNoClearSky) {
   auto made = day(7, 3.0, 2);
   for (auto& moment : made.moments)
     for (auto& value : moment.picture.encoded.elements()) value = glm::vec3(0.5f);

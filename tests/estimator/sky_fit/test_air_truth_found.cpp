@@ -21,8 +21,8 @@
 namespace kasumi::test {
 namespace {
 
-SkyToFit every_model(double altitude_m) {
-  SkyToFit sky{SiteSkyModel::automatic, altitude_m};
+ModelToFit every_model(double altitude_m) {
+  ModelToFit sky{DaylightModel::automatic, altitude_m};
   sky.every_model = true;
   return sky;
 }
@@ -201,7 +201,7 @@ TEST(AirTruthFound, PreethamsOwnSkiesStayHis) {
     double share = 1.0;
     for (const double zenith_deg : {25.0, 45.0, 65.0}) {
       const SunDirection sun = direction_from(from_degrees(zenith_deg), from_degrees(40.0));
-      const SkyModel sky(Turbidity{t}, sun);
+      const PreethamSky sky(Turbidity{t}, sun);
       const auto light = [&](const Direction& d) { return xyz_to_linear_srgb() * sky.xyz(d); };
       const SkyFit fit = fit_sky(readings_of(spread_directions(sun), light), sun, every_model(0.0), {});
       found += fmt::format(" {:.3f} +- {:.3f}", fit.turbidity.value, fit.sigma_turbidity);

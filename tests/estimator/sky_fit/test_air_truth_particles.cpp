@@ -26,8 +26,8 @@ namespace {
 
 using reference::Particles;
 
-SkyToFit asking_every_model() {
-  SkyToFit sky{SiteSkyModel::automatic, 0.0};
+ModelToFit asking_every_model() {
+  ModelToFit sky{DaylightModel::automatic, 0.0};
   sky.every_model = true;
   return sky;
 }
@@ -243,7 +243,7 @@ TEST(AirTruthParticles, BuildingInTheAirThatWasFound) {
         const auto readings =
             readings_of(spread_directions(truth.sun(), 200, 6.0), [&](const Direction& v) { return truth.light(v); });
         const SkyFit fit = fit_sky(readings, truth.sun(), asking_every_model(), {});
-        const auto kind = std::ranges::find_if(fit.models, [](const SkyModelFit& model) {
+        const auto kind = std::ranges::find_if(fit.models, [](const ModelFit& model) {
           return model.kind && model.answer.name.find(" and ") == std::string::npos;
         });
         ASSERT_NE(kind, fit.models.end());

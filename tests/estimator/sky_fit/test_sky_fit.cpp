@@ -6,16 +6,16 @@
 
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome.hpp"
+#include "estimator/sky_fit/reading_patches.hpp"
 #include "estimator/sky_fit/sky_family.hpp"
 #include "estimator/sky_fit/sky_fit.hpp"
-#include "estimator/sky_fit/sky_patches.hpp"
 
 namespace kasumi {
 namespace {
 
 const SunDirection kFitSun = direction_from(from_degrees(52.0), from_degrees(120.0));
 
-std::vector<SkyReading> readings_over(const LightOfSky& light, int many = 250) {
+std::vector<SkyReading> readings_over(const RadianceField& light, int many = 250) {
   std::vector<SkyReading> readings;
   for (int i = 0; i < many; ++i) {
     const Direction direction = direction_from({std::acos(0.15 + 0.85 * (i + 0.5) / many)}, {2.4 * i});
@@ -24,13 +24,13 @@ std::vector<SkyReading> readings_over(const LightOfSky& light, int many = 250) {
   }
   return readings;
 }
-LightOfSky light_of_dome(const Aerosol& aerosol, double altitude_m = 0.0) {
+RadianceField light_of_dome(const Aerosol& aerosol, double altitude_m = 0.0) {
   return [sky = in_space(dome(altitude_m, aerosol, kFitSun), xyz_to_linear_srgb())](const Direction& view) {
     return dome_light(sky, view);
   };
 }
-SkyToFit fit_every_model(double altitude_m = 0.0) {
-  SkyToFit sky{SiteSkyModel::automatic, altitude_m};
+ModelToFit fit_every_model(double altitude_m = 0.0) {
+  ModelToFit sky{DaylightModel::automatic, altitude_m};
   sky.every_model = true;
   return sky;
 }
@@ -47,7 +47,7 @@ TEST(SkyFit, FindsWhatADomeWasMadeOf) {
     EXPECT_NEAR(fit.turbidity.value, turbidity_of(fit.found.aerosol), 0.05);
     double kinds = 0.0, weights = 0.0;
     for (const double kind : fit.found.kinds) kinds += kind;
-    for (const SkyModelFit& model : fit.models) weights += model.answer.weight;
+    for (const ModelFit& model : fit.models) weights += model.answer.weight;
     EXPECT_NEAR(kinds, 1.0, 1e-9);
     EXPECT_NEAR(weights, 1.0, 1e-9);
     EXPECT_EQ(fit.models.size(), 9u);  // seven kinds, the likeliest blend, Preetham
@@ -65,7 +65,7 @@ TEST(SkyFit, TheSameLightInAnotherUnitIsTheSameSky) {
 
 TEST(SkyFit, WhatIsGivenStays) {
   const auto readings = readings_over(light_of_dome({0.2, 1.32, AerosolKind::continental}));
-  SkyToFit sky = fit_every_model();
+  ModelToFit sky = fit_every_model();
   sky.known = {.aod_550 = {}, .angstrom_exponent = 0.9, .kind = AerosolKind::urban};
   const SkyFit kind = fit_sky(readings, kFitSun, sky, {});
   EXPECT_EQ(kind.models.size(), 2u);  // and Preetham's
@@ -80,11 +80,11 @@ TEST(SkyFit, WhatIsGivenStays) {
 
 TEST(SkyFit, OneModelAlone) {
   const auto readings = readings_over(light_of_dome({0.2, 1.32, AerosolKind::continental}));
-  const SkyFit preetham = fit_sky(readings, kFitSun, {SiteSkyModel::preetham}, {});
+  const SkyFit preetham = fit_sky(readings, kFitSun, {DaylightModel::preetham}, {});
   ASSERT_EQ(preetham.models.size(), 1u);
   EXPECT_EQ(preetham.models.front().answer.name, "preetham");
   EXPECT_DOUBLE_EQ(preetham.found.papers_share, 1.0);
-  const SkyFit dome_alone = fit_sky(readings, kFitSun, {SiteSkyModel::dome}, {});
+  const SkyFit dome_alone = fit_sky(readings, kFitSun, {DaylightModel::dome}, {});
   EXPECT_EQ(dome_alone.models.size(), kAerosolKinds.size() + 1);  // and a blend
   EXPECT_NEAR(dome_alone.found.aerosol.aod_550, 0.2, 0.01);
 }
@@ -101,7 +101,7 @@ TEST(SkyFit, LuminanceAloneKnowsTheAmountAndLeavesTheExponentToTheKind) {
 
 TEST(SkyFit, ASingleCloudMovesLittle) {
   const Aerosol aerosol{0.12, 1.32, AerosolKind::continental};
-  const LightOfSky clear = light_of_dome(aerosol);
+  const RadianceField clear = light_of_dome(aerosol);
   const Direction cloud = direction_from(from_degrees(40.0), from_degrees(300.0));
   const SkyFit fit =
       fit_sky(readings_over([&](const Direction& view) {
@@ -113,7 +113,7 @@ TEST(SkyFit, ASingleCloudMovesLittle) {
 
 TEST(SkyFit, LessIsKnownThroughALensThatIsNotKnown) {
   const Aerosol aerosol{0.12, 1.32, AerosolKind::continental};
-  const LightOfSky clear = light_of_dome(aerosol);
+  const RadianceField clear = light_of_dome(aerosol);
   auto readings = readings_over(clear);
   for (SkyReading& reading : readings)
     reading.light *= glm::exp(glm::dvec3(0.1, 0.0, -0.1) - 0.2 * reading.off_axis * reading.off_axis);
@@ -129,13 +129,13 @@ TEST(SkyFit, TooFewReadingsAreNoSky) {
   EXPECT_FALSE(fit_sky({}, kFitSun, fit_every_model(), {}).solved);
 }
 
-TEST(SkyPatches, TakeAWholeSkyTogetherWithoutLosingItsLight) {
-  const LightOfSky clear = light_of_dome({0.2, 1.32, AerosolKind::continental});
+TEST(ReadingPatches, TakeAWholeSkyTogetherWithoutLosingItsLight) {
+  const RadianceField clear = light_of_dome({0.2, 1.32, AerosolKind::continental});
   const auto readings = readings_over(clear, 3000);
-  const SkyPatches places(readings, kFitSun);
+  const ReadingPatches places(readings, kFitSun);
   EXPECT_LE(places.size(), 80u);
   EXPECT_GE(places.size(), 40u);
-  for (const SkyPatch& patch : places.gathered(readings, clear))
+  for (const ReadingPatch& patch : places.gathered(readings, clear))
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(patch.log_light[c], std::log(clear(patch.direction)[c]), 1e-9);
 }
 
@@ -147,9 +147,9 @@ TEST(SkyFamily, ItsTableIsTheDome) {
     const auto table = family.log_light(views);
     for (const double place : {0.4, 3.3, 9.7, 17.6})
       for (const double tilt : {-0.4, 0.0, 0.3}) {
-        const SkyAmount amount{place, tilt};
+        const FamilyPoint amount{place, tilt};
         const auto light = family.log_light({&table, nullptr}, amount);
-        const LightOfSky true_light = family.light(amount);
+        const RadianceField true_light = family.light(amount);
         for (std::size_t i = 0; i < views.size(); ++i)
           for (std::size_t c = 0; c < 3; ++c)
             EXPECT_NEAR(light[c][static_cast<Eigen::Index>(i)], std::log(true_light(views[i])[static_cast<int>(c)]),

@@ -30,8 +30,8 @@ std::vector<SkyReading> readings_by(double exponent, double rim_loss, const Aero
   return readings;
 }
 
-SkyToFit somewhere(double altitude_m = 0.0) {
-  SkyToFit sky{SiteSkyModel::automatic, altitude_m};
+ModelToFit somewhere(double altitude_m = 0.0) {
+  ModelToFit sky{DaylightModel::automatic, altitude_m};
   sky.every_model = true;
   return sky;
 }

@@ -25,7 +25,7 @@ struct Residual {
 
 }  // namespace
 
-CeresSolution solve_by_ceres(std::span<const SkySample> samples, std::span<const double> weights, double start) {
+CeresSolution solve_by_ceres(std::span<const LuminanceSample> samples, std::span<const double> weights, double start) {
   CeresSolution solution{start, 0.0, 0.0};
   ceres::Problem problem;
   for (std::size_t i = 0; i < samples.size(); ++i)

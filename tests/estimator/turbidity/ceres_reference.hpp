@@ -10,6 +10,6 @@ namespace kasumi::test {
 struct CeresSolution {
   double turbidity = 0.0, log_gain = 0.0, cost = 0.0;
 };
-CeresSolution solve_by_ceres(std::span<const SkySample> samples, std::span<const double> weights, double start);
+CeresSolution solve_by_ceres(std::span<const LuminanceSample> samples, std::span<const double> weights, double start);
 
 }  // namespace kasumi::test

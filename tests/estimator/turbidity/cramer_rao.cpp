@@ -5,7 +5,7 @@
 
 namespace kasumi {
 
-double cramer_rao_sigma(std::span<const SkySample> samples, Turbidity turbidity, bool quantisation_only,
+double cramer_rao_sigma(std::span<const LuminanceSample> samples, Turbidity turbidity, bool quantisation_only,
                         const FittedSky& sky) {
   // Information about T after fitting the gain: the weighted variance of d ln F / dT.
   double weight = 0.0, slope = 0.0, slope_squared = 0.0;

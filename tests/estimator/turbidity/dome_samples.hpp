@@ -11,9 +11,9 @@ namespace kasumi::test {
 
 // Uniform in solid angle down to 80 deg from the zenith, 10 deg and more from the sun. `luminance`: by direction.
 template <class Luminance>
-std::vector<SkySample> samples_of(const Luminance& luminance, const SunDirection& sun, std::size_t count, double noise,
-                                  std::uint64_t seed = 1) {
-  std::vector<SkySample> samples;
+std::vector<LuminanceSample> samples_of(const Luminance& luminance, const SunDirection& sun, std::size_t count,
+                                        double noise, std::uint64_t seed = 1) {
+  std::vector<LuminanceSample> samples;
   const double lowest = std::cos(from_degrees(80.0).value);
   for (std::uint64_t i = 0; samples.size() < count; ++i) {
     const double z = lowest + (1.0 - lowest) * hashed_uniform(2 * seed + 100, i);

@@ -18,7 +18,8 @@ SunDirection turned(const SunDirection& sun, double degrees, double around) {
 
 }  // namespace
 
-Repeated estimate_often(const SyntheticSky& description, EstimateOptions options, int repeats, double sun_error_deg) {
+Repeated estimate_often(const SyntheticSky& description, EstimateParameters options, int repeats,
+                        double sun_error_deg) {
   const Camera camera = upward_camera(500);
   const RenderedSky rendered = render(description, camera);
   const Image<Rgb8> image = rendered.to_8_bit();
@@ -30,7 +31,7 @@ Repeated estimate_often(const SyntheticSky& description, EstimateOptions options
     options.samples = 100;
     options.seed = 1000 + static_cast<std::uint64_t>(i);
     const double around = 2.0 * kPi * hashed_uniform(99, static_cast<std::uint64_t>(i));
-    const SkyObservation look = observer.observe(
+    const TurbidityObservation look = observer.observe(
         picture, sun_error_deg > 0.0 ? turned(rendered.sun, sun_error_deg, around) : rendered.sun, options);
     if (!look.estimate.usable) continue;
     ++row.usable;

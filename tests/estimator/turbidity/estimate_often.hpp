@@ -15,7 +15,7 @@ struct Repeated {
 };
 // An 8-bit sRGB picture of 500 x 500, N = 100 samples. sun_error_deg: the error of the given sun direction, towards a
 // different side each time.
-Repeated estimate_often(const SyntheticSky& description, EstimateOptions options, int repeats,
+Repeated estimate_often(const SyntheticSky& description, EstimateParameters options, int repeats,
                         double sun_error_deg = 0.0);
 
 // M Table 1, T = 2 .. 9: mean and standard deviation. M14 Table 1 has T = 2, 5, 7, 9 of it.

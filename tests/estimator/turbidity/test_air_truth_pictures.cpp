@@ -13,7 +13,7 @@
 #include <glm/common.hpp>
 
 #include "estimator/turbidity/turbidity.hpp"
-#include "fixtures/landscape/sky_view.hpp"
+#include "fixtures/landscape/fisheye_view.hpp"
 #include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/sky_photographs.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
@@ -27,7 +27,7 @@ namespace {
 constexpr double kAltitude_m = 300.0;
 
 Camera upright_fisheye(int size = 480) {
-  fixtures::SkyCameraOptions options;
+  fixtures::FisheyeSpec options;
   options.size = size;
   options.colour_space = Camera::ColourSpace::srgb;
   return fixtures::sky_camera(options).camera;
@@ -35,8 +35,8 @@ Camera upright_fisheye(int size = 480) {
 
 TurbidityEstimate found_in(const SkyPicture& picture, const Camera& camera, const SunDirection& sun,
                            double altitude_m) {
-  EstimateOptions options;
-  options.sky.model = SiteSkyModel::automatic;
+  EstimateParameters options;
+  options.sky.model = DaylightModel::automatic;
   options.sky.every_model = true;
   options.sky.altitude_m = altitude_m;
   return estimate_turbidity(picture, camera, sun, options);

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
-#include "estimator/turbidity/own_sky.hpp"
+#include "estimator/turbidity/smooth_aureole.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "fixtures/generator/generator.hpp"
-#include "fixtures/landscape/sky_view.hpp"
+#include "fixtures/landscape/fisheye_view.hpp"
 #include "fixtures/noise/random.hpp"
 #include "tests/alpnach.hpp"
 #include "tests/estimator/turbidity/sky_photographs.hpp"
@@ -43,7 +43,7 @@ class Look {
   Look(const SkyPicture& picture, const Camera& camera, const SunDirection& sun)
       : picture_(picture), camera_(camera), sun_(sun), geometry_(sky_geometry(camera, picture)) {
     observation_ = SkyObserver(camera).observe(picture, sun);
-    if (known()) own_ = own_sky(picture, geometry_, camera, observation_.use, sun);
+    if (known()) own_ = smooth_aureole(picture, geometry_, camera, observation_.use, sun);
   }
   Look(const Image<Rgb8>& pixels, const Camera& camera, const SunDirection& sun)
       : Look(*sky_picture(view_of(pixels), camera), camera, sun) {}
@@ -81,9 +81,9 @@ class Look {
   SkyPicture picture_;
   Camera camera_;
   SunDirection sun_;
-  SkyGeometry geometry_;
-  SkyObservation observation_;
-  OwnSky own_;
+  ElementGeometry geometry_;
+  TurbidityObservation observation_;
+  SmoothAureole own_;
 };
 
 // Of cloudless skies.
@@ -113,7 +113,7 @@ struct Kept {
 };
 
 Camera fisheye(int size, bool vignetting = true, Camera::ColourSpace space = Camera::ColourSpace::srgb) {
-  fixtures::SkyCameraOptions options;
+  fixtures::FisheyeSpec options;
   options.size = size;
   options.vignetting = vignetting;
   options.colour_space = space;
@@ -226,7 +226,7 @@ TEST(AirTruthSun, StaysOnUnderPreethamsSky) {
   Kept kept;
   for (const double turbidity : {2.0, 6.0})
     for (const double sun_deg : {10.0, 62.0}) {
-      fixtures::SkyRecipe recipe;
+      fixtures::FisheyeRecipe recipe;
       recipe.size = 400;
       recipe.turbidity = turbidity;
       recipe.sun_zenith = from_degrees(90.0 - sun_deg);
@@ -277,7 +277,7 @@ TEST(AirTruthSun, GoesOffUnderTheGeneratorsClouds) {
   Confusion found;
   for (const CloudCase& c :
        figure_cases("cloudy skies", cloud_cases(4, {0.1, 0.4}), cloud_cases(8, {0.1, 0.2, 0.3, 0.4, 0.5, 0.6}))) {
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.size = 400;
     recipe.turbidity = std::array{2.2, 3.0, 5.0}[c.seed % 3];
     recipe.sun_zenith = from_degrees(90.0 - c.sun_deg);

@@ -20,14 +20,14 @@ using test::Population;
 constexpr int kToneSide = 240;
 
 // As a linear picture; the camera encodes light^exponent.
-PictureOfSky taken(const test::PopulationSky& sky, double exponent, std::uint64_t seed) {
+ToneEvidence taken(const test::PopulationSky& sky, double exponent, std::uint64_t seed) {
   test::StrangeCamera camera = test::plain_camera(seed);
   camera.curve = test::StrangeCamera::Curve::power;
   camera.strength = exponent;
   camera.white_balance = 0.5;
   Camera believed = test::believed_camera(kToneSide);
   believed.response = Response::linear();
-  EstimateOptions options;
+  EstimateParameters options;
   options.sky.every_model = true;
   options.sky.altitude_m = test::kPopulationAltitude_m;
   const Image<Rgb8> picture = test::photograph(sky, camera, kToneSide);
@@ -41,7 +41,7 @@ void expect_found(const std::vector<test::PopulationSky>& skies, std::size_t pic
   double squares = 0.0;
   for (std::size_t first = 0; first + pictures <= skies.size(); first += pictures) {
     const double exponent = exponents[first / pictures % exponents.size()];
-    std::vector<PictureOfSky> of_camera;
+    std::vector<ToneEvidence> of_camera;
     for (std::size_t i = first; i < first + pictures; ++i) of_camera.push_back(taken(skies[i], exponent, 70 + i));
     const auto curve = find_tone_curve(of_camera, test::kPopulationAltitude_m);
     ++cameras;
@@ -93,7 +93,7 @@ TEST(AirTruthTone, IsFoundFromFiveMeasuredSkies) {
 
 TEST(AirTruthTone, IsNotFoundFromOnePicture) {
   const auto skies = test::cloudless_skies(Population::development, 1, "");
-  const std::vector<PictureOfSky> one{taken(skies.front(), 1.0, 1)};
+  const std::vector<ToneEvidence> one{taken(skies.front(), 1.0, 1)};
   const auto curve = find_tone_curve(one, test::kPopulationAltitude_m);
   ASSERT_FALSE(curve);
   EXPECT_NE(curve.error().message.find("at least two"), std::string::npos) << curve.error().message;

@@ -25,7 +25,7 @@ constexpr int kSide = 240;
 
 TurbidityEstimate judge(const Image<Rgb8>& picture, const Camera& camera, const SunDirection& sun,
                         double altitude_m = test::kPopulationAltitude_m) {
-  EstimateOptions options;
+  EstimateParameters options;
   options.sky.every_model = true;
   options.sky.altitude_m = altitude_m;
   return estimate_turbidity(*sky_picture(view_of(picture), camera), camera, sun, options);

@@ -48,8 +48,8 @@ struct Marked {
   Camera camera;
   test::RenderedSky rendered;
   SkyPicture picture;
-  SkyGeometry geometry;
-  SkyLight light, by_model, by_form;
+  ElementGeometry geometry;
+  ElementLight light, by_model, by_form;
   ClearAir air;
 };
 
@@ -107,22 +107,22 @@ TEST(ClearAir, ElementsAloneAmongSaturatedOnesAreNoClearAir) {
   for (int y = 60; y < 100; ++y)
     for (int x = 140; x < 180; ++x) rendered.encoded.at(x, y) = glm::vec3{(x + y) % 5 == 0 ? 0.95f : 1.0f};
   const SkyPicture picture = *sky_picture(rendered.encoded, 1.0 / 255.0, camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  SkyLight light = sky_light(picture, geometry, camera, rendered.sun, {});
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  ElementLight light = sky_light(picture, geometry, camera, rendered.sun, {});
   const Image<PixelUse> begin = light.use;
   mask_all_but_clear_air(light, looks_of(picture, camera, light), geometry, begin, rendered.sun);
   for (int y = 62; y < 98; ++y)
     for (int x = 142; x < 178; ++x) ASSERT_NE(light.use.at(x, y), PixelUse::clear) << x << " " << y;
 }
 
-TEST(SkyReadings, AreTheSkysLightWithTheNoiseThatIsInIt) {
+TEST(ElementReadings, AreTheSkysLightWithTheNoiseThatIsInIt) {
   const Marked sky({.turbidity = 3.0, .noise = 0.005});
   std::mt19937_64 random(1);
   const auto elements = draw_elements(sky.light, sky.geometry, 300, random);
-  const SkyReadings read =
+  const ElementReadings read =
       readings_at(elements, sky.picture, sky.geometry, sky.light, sky.camera, sky.rendered.sun, {});
   ASSERT_GT(read.readings.size(), 290u);
-  const SkyModel model(Turbidity{3.0}, sky.rendered.sun);
+  const PreethamSky model(Turbidity{3.0}, sky.rendered.sun);
   const glm::dmat3 to_xyz = glm::inverse(xyz_to_linear_srgb());
   double mean = 0.0, square = 0.0, stated = 0.0;
   for (const SkyReading& r : read.readings) {
@@ -139,7 +139,7 @@ TEST(SkyReadings, AreTheSkysLightWithTheNoiseThatIsInIt) {
   EXPECT_LT(std::sqrt(stated), 2.5 * scatter);
 }
 
-TEST(SkyReadings, ACameraIsDoubtedLessForWhatWasMeasuredOfIt) {
+TEST(ElementReadings, ACameraIsDoubtedLessForWhatWasMeasuredOfIt) {
   Camera camera = test::upward_camera(kPixels);
   EXPECT_DOUBLE_EQ(doubt_of(camera).white_balance, 0.1);
   EXPECT_DOUBLE_EQ(doubt_of(camera).vignetting, 0.15);
@@ -153,14 +153,14 @@ TEST(SkyReadings, ACameraIsDoubtedLessForWhatWasMeasuredOfIt) {
 
 TEST(EveryModel, FollowsPreethamsSkyWhereItIsHis) {
   const Marked sky({.turbidity = 3.3, .cloud_cover = 0.3, .cloud_seed = 5});
-  EstimateOptions options;
+  EstimateParameters options;
   options.sky.every_model = true;
-  const SkyObservation seen = SkyObserver(sky.camera).observe(sky.picture, sky.rendered.sun, options);
+  const TurbidityObservation seen = SkyObserver(sky.camera).observe(sky.picture, sky.rendered.sun, options);
   ASSERT_TRUE(seen.estimate.usable) << seen.estimate.reason;
   EXPECT_NEAR(seen.estimate.turbidity.value, 3.3, 0.02);
   ASSERT_TRUE(seen.estimate.found);
   EXPECT_GT(seen.estimate.found->papers_share, 0.5);
-  EXPECT_EQ(seen.sky.model, SiteSkyModel::preetham);
+  EXPECT_EQ(seen.sky.model, DaylightModel::preetham);
   EXPECT_FALSE(seen.sky.aerosol);
   ASSERT_FALSE(seen.estimate.models.empty());
   EXPECT_EQ(seen.estimate.models.front().name, "preetham");
@@ -170,7 +170,7 @@ TEST(EveryModel, FollowsPreethamsSkyWhereItIsHis) {
 
 TEST(EveryModel, OnePreethamsModelAloneIsAskedAsEver) {
   const Marked sky({.turbidity = 4.1, .cloud_cover = 0.2, .cloud_seed = 6});
-  const SkyObservation alone = SkyObserver(sky.camera).observe(sky.picture, sky.rendered.sun);
+  const TurbidityObservation alone = SkyObserver(sky.camera).observe(sky.picture, sky.rendered.sun);
   EXPECT_FALSE(alone.estimate.found);
   EXPECT_TRUE(alone.estimate.models.empty());
 }

@@ -17,9 +17,9 @@ Score mask(const test::SyntheticSky& description) {
   const test::RenderedSky rendered = test::render(description, camera);
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  SkyLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
-  const SkyLight before = sky;
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  const ElementLight before = sky;
   const CloudMaskResult result = mask_clouds(sky, geometry, rendered.sun);
   double cloudy = 0.0, found = 0.0, clear = 0.0, kept = 0.0;
   for (int y = 0; y < 300; ++y)
@@ -77,8 +77,8 @@ TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   camera.white_balance = {1.3, 1.0, 0.75};
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  SkyLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
   EXPECT_GT(mask_clouds(sky, geometry, rendered.sun).clear_fraction, 0.95);
 }
 
@@ -87,8 +87,8 @@ TEST(CloudMask, MasksOutliersOfAFit) {
   const test::RenderedSky rendered = test::render({.turbidity = 3.0}, camera);
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  SkyLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
   // The gain that makes the model fit, from one element; then a patch ten per cent brighter.
   const glm::dvec3 d(geometry.direction.at(150, 100));
   const double s = zenith_angle(rendered.sun).value, gamma = angle_between(d, rendered.sun).value;

@@ -16,7 +16,7 @@ TEST(Consensus, IsOfTheClearSkyWhereCloudsAgreeLoosely) {
   const double sun_zenith = from_degrees(58.4).value;
   const Direction sun = direction_from({sun_zenith}, {1.0});
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    std::vector<SkySample> samples;
+    std::vector<LuminanceSample> samples;
     for (std::uint64_t i = 0; i < kSamples; ++i) {
       const auto chance = [&](std::uint64_t j) { return test::hashed_uniform(100 * seed + j, i); };
       const Direction d = direction_from({std::acos(1.0 - 0.826 * chance(1))}, {2.0 * kPi * chance(2)});

@@ -8,8 +8,8 @@
 namespace kasumi {
 namespace {
 
-std::vector<SkySample> even_samples(double sigma) {
-  std::vector<SkySample> samples;
+std::vector<LuminanceSample> even_samples(double sigma) {
+  std::vector<LuminanceSample> samples;
   const Direction sun = direction_from(from_degrees(58.4), {0.0});
   for (int i = 0; i < 100; ++i) {
     const Direction d = direction_from({1.3 * test::hashed_uniform(1, static_cast<std::uint64_t>(i))},
@@ -27,7 +27,7 @@ TEST(CramerRao, IsTheInverseRootOfTheProjectedInformation) {
   for (const double t : {2.0, 5.0, 9.0}) {
     std::vector<double> slopes;
     double mean = 0.0;
-    for (const SkySample& s : samples) {
+    for (const LuminanceSample& s : samples) {
       const auto log_y = [&](double at) {
         return std::log(
             test::preetham_yxy(at, static_cast<double>(s.zenith), 1.0, static_cast<double>(s.sun_distance)).x);
@@ -43,7 +43,7 @@ TEST(CramerRao, IsTheInverseRootOfTheProjectedInformation) {
 }
 
 TEST(CramerRao, IsInfiniteForSamplesOfOnePoint) {
-  const std::vector<SkySample> samples(50, SkySample{0.5f, 0.8f, 0.0f, 0.01f, 0.01f});
+  const std::vector<LuminanceSample> samples(50, LuminanceSample{0.5f, 0.8f, 0.0f, 0.01f, 0.01f});
   EXPECT_GT(cramer_rao_sigma(samples, Turbidity{3.0}), 1e3);
 }
 

@@ -47,7 +47,7 @@ TEST(DomeLog, APerfectDomeIsFoundToItsHundredths) {
         const SunDirection sun = sun_at_deg(sun_deg);
         const DomeFunction sky = dome(altitude_m, Turbidity{t}, sun);
         const auto samples = samples_of([&](const Direction& view) { return dome_light(sky, view).y; }, sun, 400, 0.0);
-        const auto found = solve_turbidity(samples, {}, FittedSky({SiteSkyModel::dome, altitude_m}, sun));
+        const auto found = solve_turbidity(samples, {}, FittedSky({DaylightModel::dome, altitude_m}, sun));
         EXPECT_TRUE(found.solved);
         EXPECT_FALSE(found.at_edge) << t;
         EXPECT_NEAR(found.turbidity.value / t, 1.0, 0.005) << t << ", sun " << sun_deg << ", " << altitude_m << " m";
@@ -63,7 +63,7 @@ TEST(DomeLog, TheAmountOfAGivenKindIsFound) {
         const Aerosol aerosol{aod, natural_exponent(kind), kind};
         const DomeFunction sky = dome(0.0, aerosol, sun);
         const auto samples = samples_of([&](const Direction& view) { return dome_light(sky, view).y; }, sun, 400, 0.0);
-        const SkyToFit fit{SiteSkyModel::dome, 0.0, Aerosol{0.0, natural_exponent(kind), kind}};
+        const ModelToFit fit{DaylightModel::dome, 0.0, Aerosol{0.0, natural_exponent(kind), kind}};
         const auto found = solve_turbidity(samples, {}, FittedSky(fit, sun));
         EXPECT_TRUE(found.solved);
         EXPECT_NEAR(air_of(found.turbidity, fit.aerosol).aerosol().aod_550, aod, 0.001 + 0.01 * aod)
@@ -73,7 +73,7 @@ TEST(DomeLog, TheAmountOfAGivenKindIsFound) {
 
 TEST(DomeLog, ASkyHazierThanAllDomesIsAtTheEdgeAndAClearerOneIsNot) {
   const SunDirection sun = sun_at_deg(50.0);
-  const FittedSky sky({SiteSkyModel::dome, 0.0}, sun);
+  const FittedSky sky({DaylightModel::dome, 0.0}, sun);
   // Extrapolated beyond the table at the table's own slope.
   const auto beyond = [&](double inside, double end, double by) {
     const DomeFunction a = dome(0.0, Turbidity{inside}, sun), b = dome(0.0, Turbidity{end}, sun);
@@ -92,7 +92,7 @@ TEST(DomeLog, ASkyHazierThanAllDomesIsAtTheEdgeAndAClearerOneIsNot) {
 TEST(DomeLog, NoiseScattersTAsTheBoundSays) {
   const SunDirection sun = sun_at_deg(60.0);
   const DomeFunction dome_4 = dome(0.0, Turbidity{4.0}, sun);
-  const FittedSky sky({SiteSkyModel::dome, 0.0}, sun);
+  const FittedSky sky({DaylightModel::dome, 0.0}, sun);
   double squares = 0.0, bound = 0.0;
   constexpr int kSkies = 60;
   for (int seed = 0; seed < kSkies; ++seed) {

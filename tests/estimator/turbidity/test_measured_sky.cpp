@@ -42,13 +42,13 @@ void expect_same(const LightOnObject& a, const LightOnObject& b, double toleranc
 
 TEST(MeasuredSky, AClearOneChangesNothingWhateverItsUnitAndColour) {
   const SunDirection sun = at_deg(50.0, 180.0);
-  const SkyModel model(Turbidity{3.0}, sun);
+  const PreethamSky model(Turbidity{3.0}, sun);
   const auto sky = whole_sky(
       [&](const Direction& d) {
         return glm::dvec3{3e-4, 2e-4, 5e-4} * model.relative_xyz(d);
       },
       1.0);
-  DaylightOptions options;
+  DaylightConditions options;
   const Daylight without(srgb_camera(), Turbidity{3.0}, sun, options);
   options.measured = &sky;
   const Daylight with(srgb_camera(), Turbidity{3.0}, sun, options);
@@ -61,7 +61,7 @@ TEST(MeasuredSky, AnOvercastOneLightsByItsOwnDistributionWhateverTheExposure) {
   // the distribution is the picture's.
   const SunDirection sun = at_deg(40.0, 90.0);
   const auto uneven = [](const Direction& d) { return (1.0 + 2.0 * d.z) / 3.0 * (d.x > 0.0 ? 1.3 : 1.0); };
-  DaylightOptions options;
+  DaylightConditions options;
   options.sky = SkyCondition::overcast;
   LightOnObject lights[2];
   int i = 0;
@@ -80,13 +80,13 @@ TEST(MeasuredSky, AnOvercastOneLightsByItsOwnDistributionWhateverTheExposure) {
 TEST(MeasuredSky, CloudsLightTheObjectAsTheirNumericalIntegralSays) {
   // White clouds, five times the zenith's luminance, over the southern half.
   const SunDirection sun = at_deg(50.0, 0.0);
-  const SkyModel model(Turbidity{2.5}, sun);
+  const PreethamSky model(Turbidity{2.5}, sun);
   const glm::dvec3 white{0.95, 1.0, 1.09};
   auto sky = whole_sky([&](const Direction& d) { return d.y < 0.0 ? 5.0 * white : model.relative_xyz(d); }, 1.0);
   for (auto& cell : sky.cells)
     if (glm::length(cell.xyz - 5.0 * white) < 1e-9) cell.clear = 0.0;
   sky.sun_share = 0.3;
-  DaylightOptions options;
+  DaylightConditions options;
   options.ground_albedo = 0.0;
   const Daylight clear(srgb_camera(), Turbidity{2.5}, sun, options);
   options.measured = &sky;
@@ -153,7 +153,7 @@ class SkyPhotograph : public testing::Test {
   const SunDirection sun = at_deg(40.0, 120.0);
   Camera camera;
   SkyPicture picture;
-  SkyGeometry geometry;
+  ElementGeometry geometry;
   Image<PixelUse> use;
 };
 
@@ -162,7 +162,7 @@ TEST_F(SkyPhotograph, OfAnEvenSkyIsEvenInEveryCell) {
   const glm::dvec3 expected = camera.light_to_xyz() * glm::dvec3{0.4};
   for (int ring = 0; ring < MeasuredSky::kRings - 1; ++ring)
     for (int sector = 0; sector < MeasuredSky::kSectors; ++sector) {
-      const SkyCell& cell = sky.at(MeasuredSky::centre_of(ring, sector));
+      const MeasuredCell& cell = sky.at(MeasuredSky::centre_of(ring, sector));
       if (cell.seen == 0.0) continue;  // near the zenith a cell is smaller than the sampling grid
       EXPECT_NEAR(cell.xyz.y / expected.y, 1.0, 1e-5);
     }

@@ -13,8 +13,8 @@ namespace {
 struct Scene {
   Camera camera = test::upward_camera(300);
   SkyPicture picture;
-  SkyGeometry geometry;
-  SkyLight sky;
+  ElementGeometry geometry;
+  ElementLight sky;
   Direction sun;
   SampleLimits limits;
 };
@@ -31,7 +31,7 @@ Scene scene_of(const test::SyntheticSky& description, Camera camera = test::upwa
   return scene;
 }
 
-TEST(SkyGeometry, SolidAnglesOfAHemisphereSumToTwoPi) {
+TEST(ElementGeometry, SolidAnglesOfAHemisphereSumToTwoPi) {
   const Scene scene = scene_of({});
   double sum = 0.0;
   for (const float angle : scene.geometry.solid_angle.elements()) sum += static_cast<double>(angle);
@@ -125,8 +125,8 @@ TEST(SkySamples, UndoVignetting) {
   camera.response = Response::linear();
   camera.vignetting = {{149.5, 149.5}, 150.0, {-0.3, -0.1, 0.0}};
   const SkyPicture picture = *sky_picture(Image<glm::vec3>(300, 300, glm::vec3{0.5f}), 0.0, camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  const SkyLight sky = sky_light(picture, geometry, camera, direction_from({1.2}, {0.0}), {});
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  const ElementLight sky = sky_light(picture, geometry, camera, direction_from({1.2}, {0.0}), {});
   // At r = 75 px of 150 the falloff is 1 - 0.3 / 4 - 0.1 / 16.
   EXPECT_NEAR(sky.light.at(150, 225).g / sky.light.at(150, 150).g, 1.0 / (1.0 - 0.075 - 0.00625), 2e-3);
 }
@@ -135,8 +135,8 @@ TEST(SkySamples, SkipWhatIsNotANumber) {
   const Camera camera = test::upward_camera(100);
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const SkyPicture picture = *sky_picture(Image<glm::vec3>(100, 100, glm::vec3{0.5f, nan, 0.5f}), 0.0, camera);
-  const SkyGeometry geometry = sky_geometry(camera, picture);
-  const SkyLight sky = sky_light(picture, geometry, camera, {0.0, 0.0, 1.0}, {});
+  const ElementGeometry geometry = sky_geometry(camera, picture);
+  const ElementLight sky = sky_light(picture, geometry, camera, {0.0, 0.0, 1.0}, {});
   EXPECT_EQ(std::ranges::count(sky.use.elements(), PixelUse::clear), 0);
 }
 

@@ -20,8 +20,8 @@ struct Sky {
   std::uint64_t seed = 1;
 };
 
-std::vector<SkySample> samples_of(const Sky& sky) {
-  std::vector<SkySample> samples;
+std::vector<LuminanceSample> samples_of(const Sky& sky) {
+  std::vector<LuminanceSample> samples;
   const double s = from_degrees(sky.sun_zenith_deg).value;
   const Direction sun = direction_from({s}, {1.0});
   const auto phase = [&](std::uint64_t j) { return 2.0 * kPi * test::hashed_uniform(100 * sky.seed + j, 0); };
@@ -54,7 +54,7 @@ TEST(Solver, FindsTheExactTurbidityOfAPerfectSky) {
 TEST(Solver, IsIndependentOfTheGain) {
   auto samples = samples_of({.turbidity = 4.0});
   const auto before = solve_turbidity(samples);
-  for (SkySample& s : samples) s.log_luminance += 7.25f;
+  for (LuminanceSample& s : samples) s.log_luminance += 7.25f;
   const auto after = solve_turbidity(samples);
   EXPECT_NEAR(after.turbidity.value, before.turbidity.value, 2e-3 * before.sigma / 1e-3);
   EXPECT_NEAR(after.log_gain - before.log_gain, 7.25, 1e-4);
@@ -77,7 +77,8 @@ TEST(Solver, RefinesToTheSameOptimumAsCeresWithAutomaticDerivatives) {
 
 TEST(Solver, StopsAtTheEdgeOfTheModel) {
   auto samples = samples_of({.turbidity = 1.72, .sigma = 0.0});
-  for (SkySample& s : samples) s.log_luminance += 1.2f * s.zenith * s.zenith;  // even brighter towards the horizon
+  for (LuminanceSample& s : samples)
+    s.log_luminance += 1.2f * s.zenith * s.zenith;  // even brighter towards the horizon
   const auto solution = solve_turbidity(samples);
   EXPECT_GE(solution.turbidity.value, kLowestTurbidity.value);
   EXPECT_LE(solution.turbidity.value, kHighestTurbidity.value);
@@ -141,7 +142,7 @@ TEST(Solver, FollowsTheResidualsOfARealSky) {
 TEST(Solver, RefusesTooFewOrInvalidSamples) {
   EXPECT_FALSE(solve_turbidity({}).solved);
   EXPECT_FALSE(solve_turbidity(samples_of({.count = 7})).solved);
-  const std::vector<SkySample> one_point(50, SkySample{0.5f, 0.8f, 0.0f, 0.01f, 0.01f});
+  const std::vector<LuminanceSample> one_point(50, LuminanceSample{0.5f, 0.8f, 0.0f, 0.01f, 0.01f});
   EXPECT_FALSE(solve_turbidity(one_point).solved);
 }
 

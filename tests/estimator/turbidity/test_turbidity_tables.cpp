@@ -19,7 +19,8 @@ std::vector<int> turbidities(const std::vector<int>& worst) {
 }
 
 using Row = test::Repeated;
-Row estimate_often(const test::SyntheticSky& description, const EstimateOptions& options, double sun_error_deg = 0.0) {
+Row estimate_often(const test::SyntheticSky& description, const EstimateParameters& options,
+                   double sun_error_deg = 0.0) {
   return test::estimate_often(description, options, kRepeats, sun_error_deg);
 }
 
@@ -93,7 +94,7 @@ TEST(TurbidityTables, AWrongSunCostsLessThanInMorales2014) {
 // The papers' own form stays within the errors that M Table 1 shows for it: up to 6 %.
 TEST(TurbidityTables, TheReferencePixelFormReproducesThePapersErrors) {
   print_head("reference pixel (M Eq 8), no cloud mask");
-  EstimateOptions options;
+  EstimateParameters options;
   options.mask_clouds = false;
   options.solve = by_reference_pixel({.rounds = 12});
   for (const int t : turbidities({4, 9})) {

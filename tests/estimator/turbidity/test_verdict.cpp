@@ -8,7 +8,7 @@ namespace {
 
 using test::Weather;
 
-TurbidityEstimate judge(const test::SyntheticSky& description, const EstimateOptions& options = {},
+TurbidityEstimate judge(const test::SyntheticSky& description, const EstimateParameters& options = {},
                         const std::function<void(Image<Rgb8>&)>& spoil = {}) {
   const Camera camera = test::upward_camera(400);
   const test::RenderedSky rendered = test::render(description, camera);
@@ -25,8 +25,8 @@ void expect_refused(const TurbidityEstimate& estimate, SkyCondition sky, const s
   std::printf("%s\n", estimate.reason.c_str());
 }
 
-EstimateOptions every_model() {
-  EstimateOptions options;
+EstimateParameters every_model() {
+  EstimateParameters options;
   options.sky.every_model = true;
   return options;
 }

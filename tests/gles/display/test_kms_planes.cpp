@@ -87,15 +87,15 @@ class KmsPlanes : public KmsRig {
   }
   void TearDown() override { building_.reset(); }
 
-  PlanePicture picture(std::uint64_t buffer = 1) const {
-    PlanePicture made;
+  PlaneStack picture(std::uint64_t buffer = 1) const {
+    PlaneStack made;
     made.camera = {0, buffer, PixelLayout::bgra8, {}, 64, 48, {ExternalPlane{0, 256}}};
     made.building = building_;
     made.left = 20, made.top = 10, made.right = 30, made.bottom = 18;
     made.source_left = 3, made.source_top = 2;
     return made;
   }
-  Result<std::uint64_t> show_planes(const PlanePicture& shown, std::shared_ptr<const void> holder = nullptr) {
+  Result<std::uint64_t> show_planes(const PlaneStack& shown, std::shared_ptr<const void> holder = nullptr) {
     if (const auto target = display_->begin(clock_.now() + 50ms); !target) return fail(target.error());
     return display_->show_planes(shown, std::move(holder));
   }

@@ -200,7 +200,7 @@ TEST_F(KmsWriteback, ShowsThePictureThatTheGpuComposes) {
   ASSERT_OK(building);
   ASSERT_OK(renderer_->upload(view_of(camera)));
   ASSERT_OK(renderer_->draw_for_plane(scene_.measured, (*building)->target()));
-  PlanePicture picture{first.picture, *building};
+  PlaneStack picture{first.picture, *building};
   picture.left = seen.left, picture.top = seen.top, picture.right = seen.right, picture.bottom = seen.bottom;
   picture.source_left = seen.left - all.left, picture.source_top = seen.top - all.top;
   ASSERT_OK(display_->show_planes(picture));

@@ -41,7 +41,7 @@ void expect_same_material(const Model& one, int a, const Model& other, int b) {
   EXPECT_EQ(is.normal_scale, was.normal_scale);
   EXPECT_EQ(is.occlusion_strength, was.occlusion_strength);
   EXPECT_LT(glm::distance(is.emission, was.emission), 1e-5f);
-  const auto same_picture = [&](ModelMap x, ModelMap y, const char* what) {
+  const auto same_picture = [&](MaterialMap x, MaterialMap y, const char* what) {
     ASSERT_EQ(x.used(), y.used()) << what;
     if (!x.used()) return;
     EXPECT_EQ(x.second, y.second) << what;

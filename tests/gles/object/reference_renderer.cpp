@@ -310,7 +310,7 @@ class Tracer {
              hit.weights[2] * value(corners[2]);
     };
     const ModelMaterial& material = *hit.triangle->material;
-    const auto picture = [&](const ModelMap& map) {
+    const auto picture = [&](const MaterialMap& map) {
       return texel(scene_.model.textures[static_cast<std::size_t>(map.texture)], mix([&](const Corner& k) {
                      return glm::dvec2(map.second ? k.vertex->texture_2 : k.vertex->texture);
                    }));

@@ -127,19 +127,19 @@ TEST(PictureCutting, EveryPixelLiesInOneRectangleOfItsKind) {
     AirlightGrid grid;
     grid.first_px = {0.2 * width, 0.1 * height};
     grid.last_px = {0.9 * width, 0.7 * height};
-    const PictureRectangles rectangles = cut_at_lines(cut_picture(width, height, box, coverage), grid);
+    const CutRectangles rectangles = cut_at_lines(cut_picture(width, height, box, coverage), grid);
     Image<int> times(width, height);
-    for (std::size_t area = 0; area < kPictureAreas; ++area)
+    for (std::size_t area = 0; area < kCutAreas; ++area)
       for (const PixelBox& r : rectangles[area])
         for (int y = r.top; y < r.bottom; ++y)
           for (int x = r.left; x < r.right; ++x) {
             ++times.at(x, y);
             const bool inside = coverage.contains(x - box.left, y - box.top);
             const float there = inside ? coverage.at(x - box.left, y - box.top) : 0.0f;
-            if (area == static_cast<std::size_t>(PictureArea::plain)) {
+            if (area == static_cast<std::size_t>(CutArea::plain)) {
               ASSERT_EQ(there, 0.0f);
             }
-            if (area == static_cast<std::size_t>(PictureArea::covered)) {
+            if (area == static_cast<std::size_t>(CutArea::covered)) {
               ASSERT_EQ(there, 1.0f);
             }
           }

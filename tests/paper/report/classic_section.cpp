@@ -81,15 +81,16 @@ Section classic_section(const ReportOptions& options) {
     for (std::size_t i = 0; i < light.elements().size(); ++i)
       relative.elements()[i] = light.elements()[i] / from_infinity.elements()[i];
     const auto nodes = grey_attenuation_nodes();
-    const PictureDepth depth{depth_from_haze(relative, encoded, nodes, ScatteringModel::morales2017, kTaken), {}, 0.0};
-    PictureParts parts;
+    const RetargetGeometry depth{
+        depth_from_haze(relative, encoded, nodes, ScatteringModel::morales2017, kTaken), {}, 0.0};
+    RetargetHints parts;
     parts.clean = without_noise(encoded, noise_of(encoded));
     for (auto& pixel : parts.clean.elements()) pixel = glm::vec3(camera.response.to_light(glm::dvec3(pixel)));
     ContactSheet sheet;
     sheet.add(source, "as taken");
     std::vector<std::string> row{name, fmt::format("{:.1f} %", black_percent(source))};
     for (const auto& target : {std::optional<Turbidity>{}, std::optional{kThinner}, std::optional{kThicker}}) {
-      RetargetOptions how;
+      RetargetLimits how;
       how.largest_gain = kLargestGain;
       const auto made = retarget(light, depth, {kTaken, from_infinity}, {target, from_infinity}, nodes, how, parts);
       const auto pixels = pixels_of(camera, made.light);

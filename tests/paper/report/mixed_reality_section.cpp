@@ -32,7 +32,7 @@ class Workplace {
 // How a building is drawn into the camera's picture.
 struct Drawn {
   const char* name;
-  SceneAirOptions air;
+  AirRendering air;
 };
 std::vector<Drawn> ways(double turbidity) {
   Drawn without{"without aerial perspective", {}}, zhao{"Zhao 2012, T given", {}}, morales{"M, T given", {}},

@@ -102,8 +102,8 @@ Section photographs_section(const ReportOptions& options) {
   const auto sky = segment_sky(whole);
   Experiment experiment{camera, compared_rows(whole), {}, {distances(sky.sky), {}, 0.0}, {}, {}, glm::dvec3{1.0}};
   const auto air_of = [&](const Image<Rgb8>& picture, double visibility_m) {
-    return PictureAir{turbidity_of_visibility(visibility_m),
-                      Image<glm::vec3>(1, 1, glm::vec3(light_above_the_wood(camera, picture)))};
+    return RetargetAir{turbidity_of_visibility(visibility_m),
+                       Image<glm::vec3>(1, 1, glm::vec3(light_above_the_wood(camera, picture)))};
   };
   experiment.fog = true;
   experiment.source = air_of(whole, kSourceFrame.visibility_m);

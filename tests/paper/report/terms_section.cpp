@@ -113,7 +113,7 @@ void figure_10_of_2014(Section& section, const Scene& scene, double turbidity) {
   std::map<ScatteringModel, double> left;
   for (const double target : {3.0, 7.0, 15.0})
     for (const auto model : {ScatteringModel::morales2017, ScatteringModel::zhao}) {
-      RetargetOptions options;
+      RetargetLimits options;
       options.scattering = model;
       const auto made = retarget(scene.light, given.depth, given.source,
                                  {Turbidity{target}, given.source.from_infinity}, nodes, options);

@@ -19,7 +19,7 @@ Section turbidity_section(const ReportOptions& options) {
       "scatters less. M Eq 8 (one reference pixel) is solved over the whole range of T, with no cloud mask.",
       repeats));
 
-  EstimateOptions by_reference;
+  EstimateParameters by_reference;
   by_reference.mask_clouds = false;
   by_reference.solve = by_reference_pixel({.rounds = 12});
   std::vector<std::vector<std::string>> rows;

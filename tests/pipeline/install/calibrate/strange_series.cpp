@@ -55,7 +55,7 @@ std::vector<fixtures::SkyPicture> skies_of(const SeriesDay& day) {
   std::vector<fixtures::SkyPicture> skies;
   for (const auto& time : day.times) {
     const auto sun = sun_position(parse_utc(time).value(), day.site).direction;
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.world = fixtures::World::physical;
     recipe.turbidity = day.turbidity;
     recipe.sun_zenith = zenith_angle(sun);

@@ -34,7 +34,7 @@ StrangeCamera drawn_camera(std::mt19937_64& random) {
   const double radius = 215.0 + 8.0 * share(random), edge = from_degrees(91.0 + 1.5 * share(random)).value;
   const bool equisolid = share(random) > 0.0, mirrored = share(random) > 0.4;
   const double focal = radius / (equisolid ? 2.0 * std::sin(0.5 * edge) : edge);
-  camera.lens = {IdealFisheyeModel{centre, focal, equisolid}, from_degrees(96.0), mirrored};
+  camera.lens = {IdealFisheyeParameters{centre, focal, equisolid}, from_degrees(96.0), mirrored};
   camera.circle = {centre, radius};
   camera.to_world =
       camera_to_world(from_degrees(180.0 * share(random)), from_degrees(90.0 - std::abs(1.2 * normal(random))),

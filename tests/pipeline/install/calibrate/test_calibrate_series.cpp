@@ -25,7 +25,7 @@ StrangeCamera equisolid_camera(bool mirrored) {
   StrangeCamera camera;
   const double edge_deg = mirrored ? 92.0 : 91.0, pitch_deg = mirrored ? 87.4 : 88.5;
   const double focal = 150.0;
-  camera.lens = {IdealFisheyeModel{{243.0, 236.5}, focal, true}, from_degrees(95.0), mirrored};
+  camera.lens = {IdealFisheyeParameters{{243.0, 236.5}, focal, true}, from_degrees(95.0), mirrored};
   camera.circle = {{243.0, 236.5}, 2.0 * focal * std::sin(0.5 * from_degrees(edge_deg).value)};
   camera.to_world = camera_to_world(from_degrees(75.0), from_degrees(pitch_deg), from_degrees(40.0));
   camera.tone_exponent = 1.25;

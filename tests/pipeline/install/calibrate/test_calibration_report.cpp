@@ -49,7 +49,7 @@ CalibrationStep lens_step(const std::string& from) {
   step.width = 400;
   step.height = 300;
   step.serial = "<FE&1>";
-  step.lens = LensDescription{OpencvFisheyeModel{{130.0, 130.5}, {203.0, 147.5}, {}}, from_degrees(80.0)};
+  step.lens = LensDescription{OpencvFisheyeParameters{{130.0, 130.5}, {203.0, 147.5}, {}}, from_degrees(80.0)};
   step.site = Site{"", 46.9, 8.3, 450.0};
   step.calibrated_utc = "2026-06-21T09:00:00Z";
   step.measured = {{"lens",

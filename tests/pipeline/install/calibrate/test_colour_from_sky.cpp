@@ -9,7 +9,7 @@
 #include "estimator/sky_camera/sensitivity_error.hpp"
 #include "estimator/sky_camera/sky_colours.hpp"
 #include "estimator/sky_camera/sky_sensitivity.hpp"
-#include "fixtures/landscape/sky_view.hpp"
+#include "fixtures/landscape/fisheye_view.hpp"
 #include "tests/must.hpp"
 #include "tests/places.hpp"
 
@@ -44,12 +44,12 @@ std::vector<SpectralSensitivity> invented_cameras() {
 
 struct Day {
   Camera camera;
-  std::vector<SkyMoment> moments;
+  std::vector<SunMoment> moments;
 };
 
 // A day of constant air: 8-bit fisheye pictures of this sensitivity, with noise, at three sun positions.
 Day day_of(const SpectralSensitivity& sensitivity, double turbidity) {
-  fixtures::SkyCameraOptions options;
+  fixtures::FisheyeSpec options;
   options.size = 180;
   Day day{fixtures::sky_camera(options).camera, {}};
   day.camera.sensitivity = sensitivity;
@@ -58,7 +58,7 @@ Day day_of(const SpectralSensitivity& sensitivity, double turbidity) {
     fixtures::Weather weather;
     weather.turbidity = turbidity;
     weather.sun = direction_from(from_degrees(sun_zenith_deg), from_degrees(160.0));
-    fixtures::SkyViewOptions view_options;
+    fixtures::FisheyeScenery view_options;
     view_options.obstructions = false;
     const auto view = fixtures::look_at_sky(fixtures::Illumination(weather), day.camera, view_options);
     auto exposure = fixtures::automatic_exposure(view.light, 0.92, 0.72);
@@ -72,9 +72,10 @@ Day day_of(const SpectralSensitivity& sensitivity, double turbidity) {
 }
 
 // The colours of such a day.
-std::vector<SkyColour> colours_of(const SpectralSensitivity& sensitivity, double turbidity, double believed_turbidity) {
+std::vector<DaylightColour> colours_of(const SpectralSensitivity& sensitivity, double turbidity,
+                                       double believed_turbidity) {
   const auto day = day_of(sensitivity, turbidity);
-  std::vector<SkyColour> colours;
+  std::vector<DaylightColour> colours;
   int number = 0;
   for (const auto& moment : day.moments) {
     const auto look = SkyObserver(day.camera).observe(moment.picture, moment.sun);

@@ -13,8 +13,8 @@
 #include "calib/mask/sky_mask.hpp"
 #include "calib/mask/sway_mask.hpp"
 #include "fixtures/in_front/leaves.hpp"
+#include "fixtures/landscape/fisheye_view.hpp"
 #include "fixtures/landscape/scene_view.hpp"
-#include "fixtures/landscape/sky_view.hpp"
 #include "tests/must.hpp"
 #include "tests/places.hpp"
 
@@ -38,7 +38,7 @@ double overlap(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b, bool 
 TEST(SkyMask, ObstructionsAreFoundThroughCloudsSunAndHaze) {
   std::printf("seed  overlap of the sky, of what is hidden; of what stands taken for sky\n");
   for (const std::uint64_t seed : {2u, 11u}) {
-    fixtures::SkyCameraOptions options;
+    fixtures::FisheyeSpec options;
     options.size = 240;
     const Camera camera = fixtures::sky_camera(options).camera;
     std::vector<Image<Rgb8>> pictures;
@@ -49,7 +49,7 @@ TEST(SkyMask, ObstructionsAreFoundThroughCloudsSunAndHaze) {
       weather.cloud_cover = 0.4;
       weather.cloud_seed = seed;
       weather.time_s = 1200.0 * i;
-      fixtures::SkyViewOptions view_options;
+      fixtures::FisheyeScenery view_options;
       view_options.seed = seed;
       const auto view = fixtures::look_at_sky(fixtures::Illumination(weather), camera, view_options);
       auto exposure = fixtures::automatic_exposure(view.light, 0.92, 0.72);

@@ -282,7 +282,7 @@ TEST(Drift, AReferenceWithPicturesBecomesOneWithout) {
   json["check_reference"] = 1;
   for (const char* key : {"scene_lines", "scene_darkest", "sky_lines", "sky_darkest", "dome_shade"}) json.erase(key);
   ASSERT_TRUE(write_text_file(file, json.dump()));
-  const auto keep = [&](const char* name, const GreyPicture& still, const Camera& camera) {
+  const auto keep = [&](const char* name, const GreyImage& still, const Camera& camera) {
     ASSERT_EQ(shrink_factor(camera), 1);
     Image<Rgb8> picture(still.width(), still.height());
     for (std::size_t i = 0; i < still.elements().size(); ++i) picture.elements()[i] = Rgb8(still.elements()[i]);

@@ -65,7 +65,7 @@ class FaultyDisplay final : public Display {
     return display_->show(std::move(until_replaced));
   }
   // Blends as display controllers do: premultiplied, encoded.
-  Result<std::uint64_t> show_planes(const PlanePicture& picture, std::shared_ptr<const void> until_replaced) override {
+  Result<std::uint64_t> show_planes(const PlaneStack& picture, std::shared_ptr<const void> until_replaced) override {
     if (!faults_.planes) return Display::show_planes(picture, std::move(until_replaced));
     if (faults_.refused_planes > 0) {
       --faults_.refused_planes;
@@ -92,7 +92,7 @@ class FaultyDisplay final : public Display {
         }
     }
     auto number = display_->show(
-        std::make_shared<std::pair<std::shared_ptr<const void>, PlanePicture>>(std::move(until_replaced), picture));
+        std::make_shared<std::pair<std::shared_ptr<const void>, PlaneStack>>(std::move(until_replaced), picture));
     seen_ = std::move(blended);
     faults_.off = false;
     ++faults_.on_planes;

@@ -176,7 +176,7 @@ Rig::Rig(RigOptions options)
   rested = resting(devices, options.starts ? options.starts->record() : StartRecord{}, clock);
   appliance = std::make_unique<Appliance>(
       config, *content, ApplianceServices{*rested, clock, time, notifier, {}, std::move(options.probes)},
-      StatusOptions{folder / "status.json", false, 10s, options.starts, folder / "sys"}, std::move(options.sky));
+      StatusOutputs{folder / "status.json", false, 10s, options.starts, folder / "sys"}, std::move(options.sky));
 }
 
 Rig::~Rig() {

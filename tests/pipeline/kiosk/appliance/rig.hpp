@@ -87,8 +87,8 @@ class BenchDevices final : public Devices {
 
 // Of sky and horizon, over a long time in which the picture counts and the air does not.
 constexpr Duration kSeldom = 1min;
-inline SkyWatchOptions observing_seldom() {
-  SkyWatchOptions sky;
+inline ObservationPlan observing_seldom() {
+  ObservationPlan sky;
   sky.observe_every = kSeldom;
   return sky;
 }
@@ -101,7 +101,7 @@ struct RigOptions {
   std::string first_config{};         // at its beginning
   bool no_leaves = false;             // what the scene's mask leaves open in part is free
   std::optional<Utc> utc{};           // the machine's time at the start; empty: the recording's
-  SkyWatchOptions sky{};
+  ObservationPlan sky{};
   // How often sky and horizon are observed, which is most of an appliance's work; a kiosk does so every second.
   Duration observe_every = 5s;
   bool keep_folder = false;  // keep what an earlier rig of that name left on disk

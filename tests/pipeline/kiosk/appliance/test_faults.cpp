@@ -245,7 +245,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, BlindCamera, testing::Values(0, 1, 2));
 // An earlier sky would be read under a sun that has moved on.
 TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
   auto estimates = std::make_shared<int>(0);
-  SkyWatchOptions sky;
+  ObservationPlan sky;
   sky.estimator = [estimates](const SkyPicture&, const SunDirection&) {
     ++*estimates;
     TurbidityEstimate estimate;
@@ -286,7 +286,7 @@ TEST(Appliance, AFrozenSkyIsNotEstimatedUntilItMovesAgain) {
 // What a bird, rain or glare does to an estimate: one look that says something else.
 TEST(Appliance, Row13ASingleOutlierChangesNothing) {
   auto turbidity = std::make_shared<double>(3.0);
-  SkyWatchOptions sky;
+  ObservationPlan sky;
   sky.estimator = [turbidity](const SkyPicture&, const SunDirection&) {
     TurbidityEstimate estimate;
     estimate.usable = true;
@@ -310,7 +310,7 @@ class Nonsense : public testing::TestWithParam<std::pair<double, double>> {};
 
 TEST_P(Nonsense, Row14IsRejectedAndTheLastGoodAirStays) {
   auto answer = std::make_shared<std::pair<double, double>>(3.0, 0.05);
-  SkyWatchOptions sky;
+  ObservationPlan sky;
   sky.estimator = [answer](const SkyPicture&, const SunDirection&) {
     TurbidityEstimate estimate;
     estimate.usable = true;

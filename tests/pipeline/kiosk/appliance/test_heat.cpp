@@ -118,7 +118,7 @@ std::vector<ThermalZone> zone_at(double celsius) {
 
 TEST(HeatGovernor, ChangesDownAtOnceAndUpWithHysteresis) {
   HeatGovernor governor;
-  const HeatOptions options;
+  const HeatLimits options;
   Instant now{1000s};
   EXPECT_EQ(governor.step(now, zone_at(74.9), false, options), 1);
   EXPECT_EQ(governor.step(now += 5s, zone_at(75.0), false, options), 2);
@@ -131,7 +131,7 @@ TEST(HeatGovernor, ChangesDownAtOnceAndUpWithHysteresis) {
 
 TEST(HeatGovernor, DoesNotFlicker) {
   HeatGovernor governor;
-  const HeatOptions options;
+  const HeatLimits options;
   Instant now{1000s};
   int changes = 0, last = 1;
   for (int i = 0; i < 720; ++i) {  // an hour around a limit, by much more than the hysteresis
@@ -144,7 +144,7 @@ TEST(HeatGovernor, DoesNotFlicker) {
 
 TEST(HeatGovernor, FollowsTheFirmwareWhereThereIsNoSensor) {
   HeatGovernor governor;
-  const HeatOptions options;
+  const HeatLimits options;
   Instant now{1000s};
   EXPECT_EQ(governor.step(now, {}, true, options), 2);
   EXPECT_EQ(governor.step(now += 30s, {}, true, options), 2) << "half may be enough";

@@ -163,7 +163,7 @@ class Running {
   explicit Running(const std::filesystem::path& config)
       : devices(clock),
         appliance(config, read_content(config).value(), ApplianceServices{devices, clock, time_, notifier_},
-                  StatusOptions{std::nullopt, false, 1h}) {
+                  StatusOutputs{std::nullopt, false, 1h}) {
     loops_.emplace_back([this] {
       while (!stop_) appliance.scene().step(clock.now() + 100ms);
     });

@@ -164,7 +164,7 @@ TEST_F(LadderTest, NoOrderOfEventsShowsAPictureThatIsTooOld) {
     if (chance(0.001))
       input.bad_scene_picture = input.bad_scene_picture ? std::nullopt : std::optional(Trouble::scene_frozen);
     const auto rung = at(now, now - picture);
-    const auto& options = LadderOptions{};
+    const auto& options = LadderTimes{};
     if (now - picture > options.held + 20ms) {
       ASSERT_EQ(rung.still, 1.0) << to_seconds(now);
     }

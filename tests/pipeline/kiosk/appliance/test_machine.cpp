@@ -244,29 +244,29 @@ TEST(TurbidityState, NonsenseOnDiskIsRejected) {
 TEST(TurbidityState, BelongsToTheAerosolThatWasFitted) {
   const auto folder = test_output_folder() / "pipeline" / "state-aerosol";
   std::filesystem::create_directories(folder);
-  const SkyToFit dust{SiteSkyModel::dome, 300.0, Aerosol{0.1, -0.12, AerosolKind::dust}};
+  const ModelToFit dust{DaylightModel::dome, 300.0, Aerosol{0.1, -0.12, AerosolKind::dust}};
   ASSERT_TRUE(save(turbidity_state({14.9}, 0.7, Utc{}, dust), folder));
   const auto kept = must(load_turbidity_state(folder));
   EXPECT_TRUE(kept->belongs_to(dust));
-  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, Aerosol{0.1, 1.32, AerosolKind::continental}}));
-  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, Aerosol{0.1, 0.3, AerosolKind::dust}}));
-  EXPECT_FALSE(kept->belongs_to({SiteSkyModel::dome, 300.0, std::nullopt}));
+  EXPECT_FALSE(kept->belongs_to({DaylightModel::dome, 300.0, Aerosol{0.1, 1.32, AerosolKind::continental}}));
+  EXPECT_FALSE(kept->belongs_to({DaylightModel::dome, 300.0, Aerosol{0.1, 0.3, AerosolKind::dust}}));
+  EXPECT_FALSE(kept->belongs_to({DaylightModel::dome, 300.0, std::nullopt}));
 }
 
 TEST(TurbidityState, KeepsTheSkyModelWhichIsPreethamInOldFiles) {
   const auto folder = test_output_folder() / "pipeline" / "state-model";
   std::filesystem::create_directories(folder);
-  ASSERT_TRUE(save({{4.0}, 0.1, Utc{1s}, SiteSkyModel::dome}, folder));
-  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, SiteSkyModel::dome);
+  ASSERT_TRUE(save({{4.0}, 0.1, Utc{1s}, DaylightModel::dome}, folder));
+  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, DaylightModel::dome);
   ASSERT_TRUE(write_text_file(folder / "turbidity.json",
                               "{\"turbidity\": 3, \"sigma\": 0.1, \"utc\": \"2026-06-21T03:00:00Z\"}"));
-  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, SiteSkyModel::preetham);
+  EXPECT_EQ(load_turbidity_state(folder).value().sky_model, DaylightModel::preetham);
 }
 
 TEST(TurbidityState, KeepsTheWholeStateOfTheAir) {
   const auto folder = test_output_folder() / "pipeline" / "state-air";
   std::filesystem::create_directories(folder);
-  SkyToFit every_model{SiteSkyModel::preetham, 300.0};
+  ModelToFit every_model{DaylightModel::preetham, 300.0};
   every_model.every_model = true;
   auto state = turbidity_state({4.1}, 0.3, Utc{1s}, every_model);
   state.air = RememberedAir{{0.31, 0.4, AerosolKind::desert}, 0.02, 0.1, false, 1.7, 0.2, Utc{1s}};
@@ -274,8 +274,8 @@ TEST(TurbidityState, KeepsTheWholeStateOfTheAir) {
   const auto kept = load_turbidity_state(folder).value();
   EXPECT_EQ(kept.air, state.air);
   EXPECT_TRUE(kept.belongs_to(every_model));
-  EXPECT_TRUE(kept.belongs_to({SiteSkyModel::dome, 300.0})) << "an optical depth means the same to both";
-  EXPECT_FALSE(kept.belongs_to({SiteSkyModel::preetham, 300.0})) << "where T alone is followed";
+  EXPECT_TRUE(kept.belongs_to({DaylightModel::dome, 300.0})) << "an optical depth means the same to both";
+  EXPECT_FALSE(kept.belongs_to({DaylightModel::preetham, 300.0})) << "where T alone is followed";
 
   const auto text = read_text_file(folder / "turbidity.json").value();
   for (const auto& [good, bad] :
@@ -291,7 +291,7 @@ TEST(TurbidityState, KeepsTheWholeStateOfTheAir) {
 
 // A closed sky, and a wood of known distance before the scene camera.
 TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) {
-  SkyWatchOptions sky;
+  ObservationPlan sky;
   sky.estimator = [](const SkyPicture&, const SunDirection&) {
     TurbidityEstimate estimate;
     estimate.sky = SkyCondition::overcast;

@@ -184,7 +184,7 @@ struct ProvenRig : Rig {
     starts = std::make_unique<StartLog>(ServiceFolders{folder / "state", folder}, "now", 15.0);
     appliance = std::make_unique<Appliance>(
         config, read_content(config).value(), ApplianceServices{devices, clock, time, notifier, {starts.get(), kept}},
-        StatusOptions{folder / "status.json", false, 10s, starts.get()}, observing_seldom());
+        StatusOutputs{folder / "status.json", false, 10s, starts.get()}, observing_seldom());
   }
   // In long steps, with pictures in each.
   void pass(Duration by) {

@@ -42,7 +42,7 @@ struct SoakFault {
   bool old_picture_is_the_fault = false;  // a frozen camera repeats the same number
 };
 
-std::vector<SoakFault> faults(Chance& chance, SkyWatchOptions& sky, std::shared_ptr<bool> nonsense) {
+std::vector<SoakFault> faults(Chance& chance, ObservationPlan& sky, std::shared_ptr<bool> nonsense) {
   sky.estimator = [nonsense](const SkyPicture&, const SunDirection& sun) {
     TurbidityEstimate estimate;
     estimate.usable = true;

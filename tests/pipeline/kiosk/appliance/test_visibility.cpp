@@ -63,7 +63,7 @@ class VisibilityCommand : public testing::Test {
     ASSERT_TRUE(write_png(folder / "scenes/1.png", squares_under(3.0)));
     ASSERT_TRUE(write_png(folder / "scenes/2.png", squares_under(6.0)));
     ASSERT_TRUE(write_text_file(folder / "landmarks.toml", landmark_tables()));
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.turbidity = 3.0;
     recipe.size = 400;
     ASSERT_TRUE(write_png(folder / "sky.png", fixtures::sky_picture(recipe).pixels));
@@ -144,7 +144,7 @@ class VisibilityLoopTest : public testing::Test {
     installation.scene.height = kPictureHeight;
     const auto tables = ConfigTable::parse(landmarks, "kasumi.toml").value();
     installation.contrast_landmarks = read_contrast_landmarks(tables, std::nullopt, {kPictureWidth, kPictureHeight});
-    installation.surroundings.sky_model = SiteSkyModel::preetham;  // whose T the squares are drawn under
+    installation.surroundings.sky_model = DaylightModel::preetham;  // whose T the squares are drawn under
     content->config.state_folder = std::move(state_folder);
     mailboxes.scene.visibility_wants_picture = false;
     loop.emplace(std::move(content), clock, mailboxes);
@@ -189,7 +189,7 @@ class VisibilityLoopTest : public testing::Test {
   VisibilityStatus latest;
 
  private:
-  std::optional<SkyAir> sky_;
+  std::optional<ObservedTurbidity> sky_;
 };
 
 TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {

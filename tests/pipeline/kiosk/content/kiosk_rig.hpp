@@ -22,7 +22,7 @@ struct KioskRig : Rig {
     const auto content = read_content(place.configuration());
     ASSERT_TRUE(content) << content.error().message;
     appliance = std::make_unique<Appliance>(place, *content, ApplianceServices{devices, clock, time, notifier},
-                                            StatusOptions{folder / "status.json", false, 10s, nullptr, folder / "sys"},
+                                            StatusOutputs{folder / "status.json", false, 10s, nullptr, folder / "sys"},
                                             observing_seldom());
   }
   void install(const std::string& name, const std::string& from, const std::string& to) {

@@ -117,7 +117,7 @@ Image<Rgb8> drawn(GlContext& context, const Content& content, const Direction& s
   frame.metadata.bytes_used = static_cast<std::uint32_t>(grey.size());
   frame.payload = payload_of(std::move(grey));
   if (!with_model) installation.object.placement.up_m = -1e6;
-  auto compositor = Compositor::create(context, installation, *content.model, SceneAirOptions{});
+  auto compositor = Compositor::create(context, installation, *content.model, AirRendering{});
   EXPECT_TRUE(compositor) << compositor.error().message;
   auto target = Offscreen::create(context.info(), kPictureWidth, kPictureHeight);
   EXPECT_TRUE(target && compositor->draw(frame, report, target->target()));

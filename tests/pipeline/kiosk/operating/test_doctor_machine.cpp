@@ -14,7 +14,7 @@ using testing::HasSubstr;
 constexpr Utc kNow = std::chrono::sys_days{std::chrono::year{2026} / 6 / 21};
 
 TEST(DoctorClock, DistinguishesSynchronizedUnsynchronizedAndImpossibleClocks) {
-  ClockOptions choice;
+  ClockRules choice;
   choice.earliest = std::chrono::sys_days{std::chrono::year{2025} / 1 / 1};
   const auto grade = [&](bool synchronized, Utc now) {
     return judged_by(check_clock, "clock", choice, ClockState{synchronized, 0}, now).grade;
@@ -198,7 +198,7 @@ TEST(DoctorCamera, RecommendsAStableName) {
 
 TEST(DoctorCamera, ComparesTheMeasurementWithTheRequest) {
   const CameraOptions choice = usb_camera();
-  CameraMeasurement seen;
+  OpeningTrial seen;
   seen.opened = true;
   seen.first_frame_s = 0.4;
   seen.good = 88;

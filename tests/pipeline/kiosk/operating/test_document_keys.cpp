@@ -129,7 +129,7 @@ std::vector<Reader> all_readers() {
       reporter);
   readers.back().only = {"mqtt"};
   add("landmarks.toml", {},
-      [](const std::filesystem::path& file) { return outcome_of(read_scene_sights(file, CalibratedScene{})); });
+      [](const std::filesystem::path& file) { return outcome_of(read_scene_sights(file, KnownCalibration{})); });
   add("strokes.toml", {}, [](const std::filesystem::path& file) { return outcome_of(read_strokes(file, 1280, 720)); });
   add("content.toml",
       toml::parse("languages = [\"en\"]\n[[era]]\nname = \"summer\"\ntitle.en = \"a\"\ntext.en = \"b\"\n"

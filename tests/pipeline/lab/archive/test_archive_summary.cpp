@@ -112,7 +112,7 @@ TEST(ArchiveFigures, SunsAreCountedWhereTheAirIsKnown) {
 
 // Days that are overcast have no aerosol, and say so.
 TEST_F(Summary, TheCalendarHasASquareForEachDay) {
-  const auto calendar = plot_calendar(figures, SkyFigure::aod);
+  const auto calendar = plot_calendar(figures, ArchiveFigure::aod);
   EXPECT_EQ(count_of(calendar, "<title>2025-"), kDays);
   EXPECT_THAT(calendar, HasSubstr("<title>2025-01-02: not known</title>"));
   EXPECT_THAT(calendar, HasSubstr("<title>2025-01-01: 0."));

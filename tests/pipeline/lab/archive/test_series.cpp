@@ -108,11 +108,11 @@ TEST(SeriesFigures, SayWhatBecameOfAMonthsPictures) {
   ASSERT_EQ(series.months().size(), 1u);
   const auto& [number, month] = *series.months().begin();
   EXPECT_EQ(number, 2025 * 12 + 5);
-  EXPECT_EQ(month.count(SkyFate::air_known), 1u);
-  EXPECT_EQ(month.count(SkyFate::cloudy), 2u);
-  EXPECT_EQ(month.count(SkyFate::sun_too_low), 1u);
-  EXPECT_EQ(month.count(SkyFate::other), 1u);
-  EXPECT_EQ(month.count(SkyFate::night), 1u);
+  EXPECT_EQ(month.count(EstimateFate::air_known), 1u);
+  EXPECT_EQ(month.count(EstimateFate::cloudy), 2u);
+  EXPECT_EQ(month.count(EstimateFate::sun_too_low), 1u);
+  EXPECT_EQ(month.count(EstimateFate::other), 1u);
+  EXPECT_EQ(month.count(EstimateFate::night), 1u);
   EXPECT_EQ(month.pictures(), 6u);
 }
 

@@ -12,8 +12,8 @@
 
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome.hpp"
+#include "pipeline/lab/photographs/scan_readings.hpp"
 #include "pipeline/lab/photographs/scan_report.hpp"
-#include "pipeline/lab/photographs/sky_scan.hpp"
 #include "tests/figures.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 
@@ -51,7 +51,7 @@ std::vector<MeasuredScan> measured_scans() {
 
 // The same directions with X, Y, Z, or luminance alone, in place of spectra.
 std::filesystem::path in_other_columns(const std::filesystem::path& file, bool colours) {
-  const auto scan = read_sky_scan(file).value();
+  const auto scan = read_scan_readings(file).value();
   std::string text = colours ? "azimuth_deg,elevation_deg,X,Y,Z\n" : "azimuth_deg,elevation_deg,luminance\n";
   for (const auto& reading : scan.readings) {
     const glm::dvec3 xyz = srgb_to_xyz() * reading.light;
@@ -137,7 +137,7 @@ std::filesystem::path scan_of_dome(const Aerosol& aerosol, const Direction& sun,
 }
 
 TurbidityEstimate estimate_of(const Aerosol& aerosol, const Direction& sun, const Spoil& spoil) {
-  SkyPhotographOptions options;
+  PhotographSetup options;
   options.sun = sun;
   options.estimate.sky.every_model = true;
   const auto report = report_on_scan(scan_of_dome(aerosol, sun, spoil), options);

@@ -16,7 +16,7 @@
 #include "calib/colour/camera_saturation.hpp"
 #include "estimator/air/scattering.hpp"
 #include "estimator/photograph/other_air.hpp"
-#include "pipeline/lab/photographs/scene_visibility.hpp"
+#include "pipeline/lab/photographs/visibility_series.hpp"
 #include "pipeline/site/config/descriptions.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
@@ -78,7 +78,7 @@ struct SeenSite {
   }
 };
 
-glm::dvec3 mean_light(const Camera& camera, const Image<glm::vec3>& encoded, const PictureBox& box) {
+glm::dvec3 mean_light(const Camera& camera, const Image<glm::vec3>& encoded, const LandmarkBox& box) {
   glm::dvec3 sum{0};
   for (int y = box.y; y < box.y + box.height; ++y)
     for (int x = box.x; x < box.x + box.width; ++x) sum += camera.light_at({x, y}, glm::dvec3(encoded.at(x, y)));

@@ -14,12 +14,12 @@ namespace {
 
 using testing::HasSubstr;
 
-PictureCircle picture(double x, double y, double radius, double confidence, int width = 480) {
+SizedCircle picture(double x, double y, double radius, double confidence, int width = 480) {
   return {width, 480, FoundCircle{{{x, y}, radius, 0.5}, confidence, {}, 1.0, {}}};
 }
 
-std::map<std::filesystem::path, PictureCircle> named(const std::vector<PictureCircle>& circles) {
-  std::map<std::filesystem::path, PictureCircle> pictures;
+std::map<std::filesystem::path, SizedCircle> named(const std::vector<SizedCircle>& circles) {
+  std::map<std::filesystem::path, SizedCircle> pictures;
   for (const auto& circle : circles) pictures.emplace(fmt::format("{:02}.jpg", pictures.size()), circle);
   return pictures;
 }

@@ -57,8 +57,8 @@ class GivenInputs : public testing::Test {
   }
 
   const std::filesystem::path folder = test_folder("estimate-inputs");
-  EstimateArguments arguments;
-  std::vector<SkyInput> inputs;
+  EstimateRequest arguments;
+  std::vector<EstimateInput> inputs;
   std::vector<std::string> problems;
 };
 

@@ -17,14 +17,14 @@ namespace {
 const Site kSite{"", 34.7, 135.8, 100.0};
 
 // A morning's pictures of a camera whose top points north, with a tone curve of its own.
-std::vector<SkyInput> series(const std::string& name, bool mirrored, double tone_exponent) {
+std::vector<EstimateInput> series(const std::string& name, bool mirrored, double tone_exponent) {
   const auto folder = test_folder(name);
   std::filesystem::create_directories(folder);
-  std::vector<SkyInput> pictures;
+  std::vector<EstimateInput> pictures;
   for (const char* time : {"2026-05-05T00:00:00Z", "2026-05-05T02:00:00Z", "2026-05-05T05:00:00Z"}) {
     const auto utc = parse_utc(time);
     const auto sun = sun_position(*utc, kSite).direction;
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.turbidity = 2.5;
     recipe.world = fixtures::World::physical;
     recipe.sun_zenith = zenith_angle(sun);
@@ -46,8 +46,8 @@ std::vector<SkyInput> series(const std::string& name, bool mirrored, double tone
   return pictures;
 }
 
-SkyPhotographOptions strange() {
-  SkyPhotographOptions options;
+PhotographSetup strange() {
+  PhotographSetup options;
   options.site = kSite;
   options.unknown_camera = true;
   options.estimate.sky.every_model = true;
@@ -65,7 +65,7 @@ TEST(LearnCameras, MirroredPicturesAreNoticedAndTurnedOver) {
     EXPECT_LT(std::abs(std::remainder(to_degrees(memory->cameras()[0].turn->azimuth_up), 360.0)), 1.5);
     auto options = strange();
     options.memory = memory;
-    SkyPhotographs photographs(options);
+    PhotographEstimator photographs(options);
     for (const auto& picture : pictures) {
       const auto report = photographs.estimate_from(picture.file, picture.utc).value();
       EXPECT_EQ(report.mirrored, mirrored);
@@ -113,7 +113,7 @@ TEST(LearnCameras, CallsOfOnePictureEachTeachAsMuchAsOneOfAll) {
 }
 
 TEST(LearnCameras, WhatCannotBeReadIsPassedOver) {
-  const std::vector<SkyInput> pictures{{"/nowhere/one.png", {}, {}, 0}, {"/nowhere/two.png", {}, {}, 0}};
+  const std::vector<EstimateInput> pictures{{"/nowhere/one.png", {}, {}, 0}, {"/nowhere/two.png", {}, {}, 0}};
   EXPECT_TRUE(learn_cameras(pictures, {strange()}, {}, false, 2)->cameras().empty());
 }
 

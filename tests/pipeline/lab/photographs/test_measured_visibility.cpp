@@ -35,8 +35,8 @@ TEST(MeasuredVisibility, EveryWrongLineIsNamed) {
   EXPECT_FALSE(read_measured_visibilities(table_of("picture,km\na.jpg,3\n")));
 }
 
-LandmarkAir air_of(ExtinctionKind kind, double per_m, double sigma_per_m) {
-  LandmarkAir air;
+ChannelExtinctions air_of(ExtinctionKind kind, double per_m, double sigma_per_m) {
+  ChannelExtinctions air;
   for (auto& channel : air.channels) {
     channel.kind = kind;
     channel.per_m = per_m;

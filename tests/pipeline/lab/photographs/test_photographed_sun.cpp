@@ -19,8 +19,8 @@ using testing::Not;
 using testing::StartsWith;
 
 // In clear air, whose sun is found with certainty: 40 deg from the zenith, at azimuth 140 of the picture's own.
-fixtures::SkyRecipe clear_sky() {
-  fixtures::SkyRecipe recipe;
+fixtures::FisheyeRecipe clear_sky() {
+  fixtures::FisheyeRecipe recipe;
   recipe.turbidity = 2.0;
   recipe.sun_zenith = from_degrees(40.0);
   recipe.sun_azimuth = from_degrees(140.0);
@@ -28,19 +28,19 @@ fixtures::SkyRecipe clear_sky() {
 }
 
 // As if the same picture had been taken under a sun at these angles from zenith and north.
-SkyPhotographReport looked_at(const fixtures::SkyRecipe& recipe, double zenith_deg, double azimuth_deg,
-                              std::optional<double> azimuth_up_deg) {
+PhotographReport looked_at(const fixtures::FisheyeRecipe& recipe, double zenith_deg, double azimuth_deg,
+                           std::optional<double> azimuth_up_deg) {
   const auto file = test_folder("skies") / "photographed-sun.png";
   std::filesystem::create_directories(file.parent_path());
   EXPECT_TRUE(write_png(file, fixtures::sky_picture(recipe).pixels));
-  SkyPhotographOptions options;
+  PhotographSetup options;
   const double middle = 0.5 * (recipe.size - 1);
   options.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
   options.sun = direction_from(from_degrees(zenith_deg), from_degrees(azimuth_deg));
   if (azimuth_up_deg) options.azimuth_up = from_degrees(*azimuth_up_deg);
-  auto report = SkyPhotographs(options).estimate_from(file, std::nullopt);
+  auto report = PhotographEstimator(options).estimate_from(file, std::nullopt);
   if (!report) ADD_FAILURE() << report.error().message;
-  return report.value_or(SkyPhotographReport{});
+  return report.value_or(PhotographReport{});
 }
 
 TEST(PhotographedSun, TellsHowACameraWasTurnedThatNobodyOriented) {
@@ -100,7 +100,7 @@ TEST(PhotographedSun, SaysHowSureItIs) {
 // its place tells the orientation; where it is clipped too widely the refusal says that this is what is missing.
 TEST(PhotographedSun, OrientsARealSkyByTimeAndPlace) {
   if (!alpnach::is_there()) GTEST_SKIP() << alpnach::file(0) << " is not here: real sky not tested";
-  SkyPhotographOptions options;
+  PhotographSetup options;
   options.field_of_view = from_degrees(alpnach::kFieldOfView_deg);
   options.circle = ImageCircle{alpnach::kCentre, alpnach::kRadius_px};
   options.linear_response = true;
@@ -108,7 +108,7 @@ TEST(PhotographedSun, OrientsARealSkyByTimeAndPlace) {
   options.utc = parse_utc("2018-01-29T11:09:20Z");
   int oriented = 0;
   for (int exposure = 0; exposure < alpnach::kExposures; ++exposure) {
-    const auto report = SkyPhotographs(options).estimate_from(alpnach::file(exposure), std::nullopt).value();
+    const auto report = PhotographEstimator(options).estimate_from(alpnach::file(exposure), std::nullopt).value();
     const auto& estimate = report.look.estimate;
     std::printf("exposure %d: %s, up %.1f deg; T %.2f +- %.2f; %s\n", exposure,
                 std::string(name_of(report.sun.orientation)).c_str(), degrees_of_azimuth(report.sun.azimuth_up),

@@ -14,15 +14,15 @@
 namespace kasumi {
 namespace {
 
-std::filesystem::path generated(const fixtures::SkyRecipe& recipe, const std::string& name) {
+std::filesystem::path generated(const fixtures::FisheyeRecipe& recipe, const std::string& name) {
   const auto file = test_folder("skies") / (name + ".png");
   std::filesystem::create_directories(file.parent_path());
   EXPECT_TRUE(write_png(file, fixtures::sky_picture(recipe).pixels));
   return file;
 }
 
-SkyPhotographOptions sky_photograph_options(const fixtures::SkyRecipe& recipe) {
-  SkyPhotographOptions options;
+PhotographSetup photograph_setup(const fixtures::FisheyeRecipe& recipe) {
+  PhotographSetup options;
   const double middle = 0.5 * (recipe.size - 1);
   options.circle = ImageCircle{{middle, middle}, 0.5 * recipe.size};
   options.sun = direction_from(recipe.sun_zenith, recipe.sun_azimuth);
@@ -31,9 +31,9 @@ SkyPhotographOptions sky_photograph_options(const fixtures::SkyRecipe& recipe) {
 
 TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
   for (const double turbidity : {2.0, 4.0, 7.0}) {
-    fixtures::SkyRecipe recipe;
+    fixtures::FisheyeRecipe recipe;
     recipe.turbidity = turbidity;
-    SkyPhotographs photographs(sky_photograph_options(recipe));
+    PhotographEstimator photographs(photograph_setup(recipe));
     const auto report = must(photographs.estimate_from(generated(recipe, "clear"), std::nullopt));
     ASSERT_TRUE(report->look.estimate.usable) << report->look.estimate.reason;
     EXPECT_NEAR(report->look.estimate.turbidity.value, turbidity, 0.1);
@@ -47,15 +47,15 @@ TEST(SkyPhotograph, AGeneratedSkyGivesItsTurbidity) {
 TEST(SkyPhotograph, TheSunIsFoundInTheImageWhenAsked) {
   for (const auto world : {fixtures::World::preetham, fixtures::World::physical})
     for (const double zenith_deg : {20.0, 40.0, 50.0}) {
-      fixtures::SkyRecipe recipe;
+      fixtures::FisheyeRecipe recipe;
       recipe.world = world;
       recipe.turbidity = 2.0;
       recipe.sun_zenith = from_degrees(zenith_deg);
       recipe.sun_azimuth = from_degrees(140.0);
-      auto options = sky_photograph_options(recipe);
+      auto options = photograph_setup(recipe);
       options.sun.reset();
       options.sun_from_image = true;
-      SkyPhotographs photographs(options);
+      PhotographEstimator photographs(options);
       const auto report = photographs.estimate_from(generated(recipe, "sun"), std::nullopt).value();
       ASSERT_TRUE(report.sun.direction) << report.look.estimate.reason;
       EXPECT_LT(to_degrees(angle_between(*report.sun.direction, direction_from(recipe.sun_zenith, recipe.sun_azimuth))),
@@ -65,19 +65,19 @@ TEST(SkyPhotograph, TheSunIsFoundInTheImageWhenAsked) {
 }
 
 TEST(SkyPhotograph, WithoutACircleItIsFoundInThePicture) {
-  fixtures::SkyRecipe recipe;
-  auto options = sky_photograph_options(recipe);
+  fixtures::FisheyeRecipe recipe;
+  auto options = photograph_setup(recipe);
   options.circle.reset();
-  SkyPhotographs photographs(options);
+  PhotographEstimator photographs(options);
   const auto report = photographs.estimate_from(generated(recipe, "circle"), std::nullopt).value();
   ASSERT_TRUE(report.circle);
   EXPECT_NEAR(report.circle->radius_px, 250.0, 4.0);
 }
 
 TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
-  fixtures::SkyRecipe recipe;
+  fixtures::FisheyeRecipe recipe;
   recipe.covered_lens = true;
-  SkyPhotographs photographs(sky_photograph_options(recipe));
+  PhotographEstimator photographs(photograph_setup(recipe));
   const auto report = photographs.estimate_from(generated(recipe, "covered"), std::nullopt).value();
   EXPECT_FALSE(report.look.estimate.usable);
   EXPECT_EQ(report.look.estimate.sky, SkyCondition::covered_lens) << report.look.estimate.reason;
@@ -86,13 +86,13 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
 // A real winter sky over Alpnach; details are in the data's README.
 TEST(SkyPhotograph, TwoExposuresOfOneRealSkyAgree) {
   if (!alpnach::is_there()) GTEST_SKIP() << alpnach::file(0) << " is not here: real sky not tested";
-  SkyPhotographOptions options;
+  PhotographSetup options;
   options.field_of_view = from_degrees(alpnach::kFieldOfView_deg);
   options.circle = ImageCircle{alpnach::kCentre, alpnach::kRadius_px};
   options.linear_response = true;
   // Where exposures 1 to 7 show it. In these two it is clipped too widely to be found with certainty.
   options.sun = direction_from(from_degrees(62.8), from_degrees(48.0));
-  SkyPhotographs photographs(options);
+  PhotographEstimator photographs(options);
   std::vector<TurbidityEstimate> estimates;
   for (const int exposure : {8, 9}) {
     const auto report = must(photographs.estimate_from(alpnach::file(exposure), std::nullopt));

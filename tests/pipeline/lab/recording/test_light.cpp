@@ -85,7 +85,7 @@ glm::dvec3 drawn(const DrawnAir& air, const glm::dvec2& pixel, const glm::dvec3&
 }
 
 TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) {
-  const fixtures::SceneCamera made =
+  const fixtures::PinholeCamera made =
       fixtures::scene_camera({.width = 480, .height = 270, .field_of_view_deg = 6.2, .heading_deg = 4.0});
   fixtures::Weather weather;
   weather.turbidity = 3.0;
@@ -155,13 +155,13 @@ TEST(ObjectsLight, FollowsTheCamerasExposureAndWhiteBalanceFromTheHorizonAlone) 
 // A low sun at the right edge of a wide view, 15 deg above it; boards below the horizon line on both sides, so far away
 // that they show mostly the air in front of them.
 TEST(ObjectsLight, IsSeenThroughAirThatIsBrighterOnTheSunsSideAndBelowTheHorizon) {
-  const fixtures::SceneCamera made = fixtures::scene_camera(
+  const fixtures::PinholeCamera made = fixtures::scene_camera(
       {.width = 480, .height = 270, .field_of_view_deg = 40.0, .heading_deg = 220.0, .pitch_deg = 0.0});
   fixtures::SceneGeometry land;
   land.points = Image<fixtures::GroundPoint>(480 * fixtures::kRaysPerSide, 270 * fixtures::kRaysPerSide);
   Installation installation;
   installation.site.altitude_m = 980.0;
-  installation.surroundings.sky_model = SiteSkyModel::preetham;  // the world is
+  installation.surroundings.sky_model = DaylightModel::preetham;  // the world is
   installation.scene = made.camera;
   for (const double turbidity : {2.5, 5.0}) {
     fixtures::Weather weather;
@@ -208,7 +208,7 @@ TEST(ObjectsLight, UnderAnOvercastSkyIsTheCloudsAloneAndCloseToTheSpectralRefere
   recipe.truth_frames = 1;
   const auto fixture = recorded(recipe, "light-overcast");
   const auto out = test_folder("light-overcast-out");
-  SceneAirOptions air;
+  AirRendering air;
   air.turbidity = Turbidity{recipe.turbidity};  // not measurable through clouds; only the light is tested here
   const auto summary = replay({fixture, out, false, false, 1, air});
   ASSERT_TRUE(summary) << summary.error().message;
@@ -273,7 +273,7 @@ TEST(SkyWatch, TheTurbidityOfAHighSiteMatchesTheDome) {
   ASSERT_TRUE(by_dome.seen_air()) << by_dome.estimate.reason;
   EXPECT_NEAR(by_dome.seen_air()->air.turbidity().value, 5.0, 0.25);
   // Preetham's model has no altitude: a high-altitude sky always looks very clear to it.
-  installation.surroundings.sky_model = SiteSkyModel::preetham;
+  installation.surroundings.sky_model = DaylightModel::preetham;
   const auto by_preetham = found();
   ASSERT_TRUE(by_preetham.seen_air()) << by_preetham.estimate.reason;
   EXPECT_LT(by_preetham.seen_air()->air.turbidity().value, 2.2);
@@ -300,7 +300,7 @@ TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
   installation.scene.lens = pinhole_lens({{30.0, 30.0}, {19.5, 19.5}, {}});
   installation.scene.to_world = camera_to_world(Radians{0.0}, Radians{0.0}, Radians{0.0});
   const PixelBox box{10, 10, 20, 20};
-  const auto haze_of = [&](const SceneAirOptions& options) {
+  const auto haze_of = [&](const AirRendering& options) {
     const SceneAir air(installation, options);
     SkyReport report;
     report.sun.source = SunSource::ephemeris;
@@ -314,11 +314,11 @@ TEST(SceneAir, AKnownAerosolFadesWhatIsFarByItsOwnLaw) {
   EXPECT_LT(dust.mie_per_m[0].b, dust.mie_per_m[0].r) << "dust takes a little more of the red";
   EXPECT_NEAR(dust.mie_per_m[1].g, 0.6 / 1200.0, 0.03 * 0.6 / 1200.0);
   // Asked for by name, the papers' law holds for the T of that dust.
-  SceneAirOptions by_name;
+  AirRendering by_name;
   by_name.scattering = ScatteringModel::morales2017;
   const auto papers = haze_of(by_name);
   EXPECT_NEAR(papers.mie_per_m[1].b / papers.mie_per_m[1].r, usual.mie_per_m[1].b / usual.mie_per_m[1].r, 1e-3);
-  installation.surroundings.sky_model = SiteSkyModel::preetham;
+  installation.surroundings.sky_model = DaylightModel::preetham;
   const auto preetham = haze_of({});
   EXPECT_NEAR(preetham.mie_per_m[1].g, papers.mie_per_m[1].g, 1e-9);
 }

@@ -24,7 +24,7 @@ TurbidityEstimate seen_t(double t, double sigma = 0.02) {
 struct Followed {
   ManualClock clock{Utc{}};
   TurbidityTracker tracker;
-  explicit Followed(TrackerOptions options = {}) : tracker(options) {}
+  explicit Followed(TrackerLimits options = {}) : tracker(options) {}
   Verdict observe(const TurbidityEstimate& e) { return tracker.observe(e, clock.now()); }
   TrackedAir now() const { return *tracker.at(clock.now()); }
 };
@@ -49,7 +49,7 @@ TEST(TurbidityTracker, SaysWhatKindOfAirItIs) {
   rig.observe(seen_t(4.0, 0.1));
   EXPECT_EQ(rig.now().air, AirState(Turbidity{rig.now().air.turbidity()})) << "T alone";
   EXPECT_TRUE(rig.now().seen());
-  TrackerOptions known;
+  TrackerLimits known;
   known.like = Aerosol{0.0, 0.2, AerosolKind::dust};
   Followed dust(known);
   dust.observe(seen_t(4.0, 0.1));

@@ -62,7 +62,7 @@ Model corner_house() {
 Installation lookout(double distance_m, double focal_px) {
   Installation kiosk;
   kiosk.site = {"", 46.9, 8.3, 450.0};
-  kiosk.surroundings.sky_model = SiteSkyModel::dome;
+  kiosk.surroundings.sky_model = DaylightModel::dome;
   kiosk.scene.name = "scene";
   kiosk.scene.width = 160;
   kiosk.scene.height = 90;

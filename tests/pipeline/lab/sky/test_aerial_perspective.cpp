@@ -10,7 +10,7 @@
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome.hpp"
 #include "fixtures/atmosphere/reference_sky.hpp"
-#include "pipeline/lab/sky/sky_drawing.hpp"
+#include "pipeline/lab/sky/dome_drawing.hpp"
 #include "tests/figures.hpp"
 
 namespace kasumi {
@@ -25,17 +25,17 @@ class AerialPerspective : public testing::Test {
   // Mean difference in steps of 255 over the land in a view to the north, for grey land as dark as woods and as bright
   // as snow.
   double mean_error(const reference::ReferenceSky& sky, double turbidity, double altitude_m, const Sun& sun) {
-    SkyCamera camera;
+    Viewpoint camera;
     camera.width = 160;
     camera.height = 90;
     camera.pitch_deg = altitude_m > 1000.0 ? -6.0 : 2.0;
-    SkyRequest request;
+    DomeRequest request;
     request.turbidity = {turbidity};
     request.altitude_m = altitude_m;
     request.sun = direction_from(from_degrees(sun.zenith_deg), from_degrees(sun.azimuth_deg));
-    const SkyView view = view_of(camera);
-    const SkyScene scene = sky_scene(standing_on_land(camera, request));
-    const SkyPainter painter(scene);
+    const PanoramaView view = view_of(camera);
+    const DomeScene scene = sky_scene(standing_on_land(camera, request));
+    const DomePainter painter(scene);
     const auto land = land_for(camera, scene.altitude_m, true);
     const LandRayCaster sight(land->land, land->from, land->to);
     double sum = 0.0;

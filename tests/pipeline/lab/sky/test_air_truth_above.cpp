@@ -44,12 +44,12 @@ struct Mean {
 
 // Errors of land as dark as woods and as bright as snow, to the ground and half the way to it.
 Mean errors(const reference::ReferenceSky& sky, const Aerosol& aerosol, double altitude_m, double sun_deg) {
-  SkyRequest request;
+  DomeRequest request;
   request.turbidity = {turbidity_of(aerosol)};
   request.like = aerosol;
   request.altitude_m = altitude_m;
   request.sun = direction_from(from_degrees(90.0 - sun_deg), Radians{0.0});
-  const SkyPainter painter(sky_scene(request));
+  const DomePainter painter(sky_scene(request));
   const glm::dmat3 to_srgb = xyz_to_linear_srgb();
   Mean mean;
   for (const double down_deg : kDown_deg)

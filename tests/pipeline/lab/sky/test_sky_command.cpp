@@ -43,11 +43,11 @@ TEST(SkyCommand, DrawsAGivenAerosol) {
   const auto zenith = [](const std::filesystem::path& of) {
     return cv::imread(of.string(), cv::IMREAD_UNCHANGED).at<cv::Vec3f>(16, 16);  // blue, green, red
   };
-  SkyRequest request;
+  DomeRequest request;
   request.sun = direction_from(from_degrees(50.0), from_degrees(180.0));
   request.like = Aerosol{0.0, natural_exponent(AerosolKind::smoke), AerosolKind::smoke};
   request.turbidity = {turbidity_of({0.6, natural_exponent(AerosolKind::smoke), AerosolKind::smoke})};
-  const glm::dvec3 expected = SkyPainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
+  const glm::dvec3 expected = DomePainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
   EXPECT_NEAR(double{zenith(file)[1]} / expected.g, 1.0, 1e-4);
   EXPECT_LT(zenith(plain)[2], 0.5F * zenith(file)[2]) << "molecules alone";
   const auto wrong = ended(2, run_kasumi(sky + file.string() + " --aod 3 --turbidity 2 --model nielsen2003"));
@@ -62,10 +62,10 @@ TEST(SkyCommand, WritesTheRadiance) {
   ASSERT_EQ(done.code, 0) << done.err;
   const cv::Mat light = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(light.type(), CV_32FC3);
-  SkyRequest request;
+  DomeRequest request;
   request.turbidity = {2.5};
   request.sun = direction_from(from_degrees(50.0), from_degrees(180.0));
-  const glm::dvec3 zenith = SkyPainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
+  const glm::dvec3 zenith = DomePainter(sky_scene(request)).sky({0.0, 0.0, 1.0});
   const auto middle = light.at<cv::Vec3f>(16, 16);  // blue, green, red
   EXPECT_NEAR(double{middle[2]} / zenith.r, 1.0, 1e-4);
   EXPECT_NEAR(double{middle[0]} / zenith.b, 1.0, 1e-4);

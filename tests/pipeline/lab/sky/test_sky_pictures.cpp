@@ -9,24 +9,24 @@
 
 #include "estimator/sky/dome.hpp"
 #include "pipeline/lab/bench/gles.hpp"
+#include "pipeline/lab/sky/dome_drawing.hpp"
 #include "pipeline/lab/sky/sky_comparison.hpp"
-#include "pipeline/lab/sky/sky_drawing.hpp"
 #include "pipeline/lab/sky/sky_window.hpp"
 #include "tests/must.hpp"
 
 namespace kasumi {
 namespace {
 
-SkyCamera small_camera(SkyProjection projection) {
-  SkyCamera camera;
+Viewpoint small_camera(PanoramaProjection projection) {
+  Viewpoint camera;
   camera.projection = projection;
-  camera.width = projection == SkyProjection::fisheye ? 240 : 320;
-  camera.height = projection == SkyProjection::equirectangular ? 160 : 240;
+  camera.width = projection == PanoramaProjection::fisheye ? 240 : 320;
+  camera.height = projection == PanoramaProjection::equirectangular ? 160 : 240;
   return camera;
 }
 
-SkyRequest sky_under(double turbidity, double sun_zenith_deg, double altitude_m = 0.0) {
-  SkyRequest request;
+DomeRequest sky_under(double turbidity, double sun_zenith_deg, double altitude_m = 0.0) {
+  DomeRequest request;
   request.turbidity = {turbidity};
   request.altitude_m = altitude_m;
   request.sun = direction_from(from_degrees(sun_zenith_deg), from_degrees(8.0));
@@ -46,27 +46,28 @@ double psnr_db(const Image<Rgb8>& a, const Image<Rgb8>& b) {
 class DrawnSkies : public testing::Test {
  protected:
   void SetUp() override {
-    auto gpu = SkyDrawing::by_gpu();
+    auto gpu = DomeDrawing::by_gpu();
     if (!gpu) GTEST_SKIP() << gpu.error().message;
     gpu_.emplace(std::move(*gpu));
   }
-  Image<Rgb8> by_gpu(const SkyCamera& camera, const SkyRequest& sky, const LandAround* land = nullptr) {
+  Image<Rgb8> by_gpu(const Viewpoint& camera, const DomeRequest& sky, const LandAround* land = nullptr) {
     auto drawn = gpu_->draw(view_of(camera), sky_scene(sky), land);
     EXPECT_TRUE(drawn.has_value()) << (drawn ? "" : drawn.error().message);
     return drawn ? std::move(*drawn) : Image<Rgb8>(camera.width, camera.height);
   }
-  static Image<Rgb8> by_cpu(const SkyCamera& camera, const SkyRequest& sky, const LandAround* land = nullptr) {
-    return SkyDrawing::by_cpu().draw(view_of(camera), sky_scene(sky), land).value();
+  static Image<Rgb8> by_cpu(const Viewpoint& camera, const DomeRequest& sky, const LandAround* land = nullptr) {
+    return DomeDrawing::by_cpu().draw(view_of(camera), sky_scene(sky), land).value();
   }
-  std::optional<SkyDrawing> gpu_;
+  std::optional<DomeDrawing> gpu_;
 };
 
 TEST_F(DrawnSkies, MatchTheCpuTo50Decibels) {
-  for (const auto projection : {SkyProjection::perspective, SkyProjection::fisheye, SkyProjection::equirectangular})
+  for (const auto projection :
+       {PanoramaProjection::perspective, PanoramaProjection::fisheye, PanoramaProjection::equirectangular})
     for (const double sun : {5.0, 50.0, 80.0, 90.0})
       for (const double altitude_m : {0.0, 3000.0, 20000.0}) {
-        const SkyCamera camera = small_camera(projection);
-        const SkyRequest sky = sky_under(altitude_m > 0.0 ? 2.0 : 5.0, sun, altitude_m);
+        const Viewpoint camera = small_camera(projection);
+        const DomeRequest sky = sky_under(altitude_m > 0.0 ? 2.0 : 5.0, sun, altitude_m);
         EXPECT_GE(psnr_db(by_gpu(camera, sky), by_cpu(camera, sky)), 50.0)
             << name_of(projection) << ", sun at " << sun << " deg, " << altitude_m << " m";
       }
@@ -75,17 +76,17 @@ TEST_F(DrawnSkies, MatchTheCpuTo50Decibels) {
 TEST_F(DrawnSkies, OfTheEarlierModelsMatchTheCpuTo50Decibels) {
   using enum SkyKind;
   for (const SkyKind kind : {preetham1999, hoffman_preetham2002, nielsen2003}) {
-    SkyRequest sky = sky_under(3.0, 60.0);
+    DomeRequest sky = sky_under(3.0, 60.0);
     sky.kind = kind;
-    const SkyCamera camera = small_camera(SkyProjection::perspective);
+    const Viewpoint camera = small_camera(PanoramaProjection::perspective);
     EXPECT_GE(psnr_db(by_gpu(camera, sky), by_cpu(camera, sky)), 50.0) << name_of(kind);
   }
 }
 
 TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
-  const SkyCamera camera = small_camera(SkyProjection::perspective);
+  const Viewpoint camera = small_camera(PanoramaProjection::perspective);
   for (const double altitude_m : {40.0, 3000.0}) {
-    const SkyRequest sky = sky_under(2.5, 60.0, altitude_m);
+    const DomeRequest sky = sky_under(2.5, 60.0, altitude_m);
     const auto land = must(land_for(camera, altitude_m, true));
     const auto drawn = by_gpu(camera, sky, &*land), expected = by_cpu(camera, sky, &*land);
     // An edge of the land may differ by a pixel.
@@ -104,13 +105,13 @@ TEST_F(DrawnSkies, WithLandMatchTheCpuAwayFromEdges) {
 
 TEST_F(DrawnSkies, AreDitheredAgainstBanding) {
   // The mean over a dither pattern's 8 x 8 pixels resolves values between two steps.
-  const SkyCamera camera = small_camera(SkyProjection::perspective);
-  SkyRequest sky = sky_under(2.0, 40.0);
+  const Viewpoint camera = small_camera(PanoramaProjection::perspective);
+  DomeRequest sky = sky_under(2.0, 40.0);
   sky.sun = direction_from(from_degrees(40.0), from_degrees(180.0));  // behind
   const auto drawn = by_gpu(camera, sky);
-  const SkyScene scene = sky_scene(sky);
-  const SkyPainter painter(scene);
-  const SkyView view = view_of(camera);
+  const DomeScene scene = sky_scene(sky);
+  const DomePainter painter(scene);
+  const PanoramaView view = view_of(camera);
   double worst = 0.0;
   for (int by = 0; by < 160; by += 8)
     for (int bx = 0; bx < 320; bx += 8) {
@@ -126,7 +127,7 @@ TEST_F(DrawnSkies, AreDitheredAgainstBanding) {
   EXPECT_LT(worst, 0.7) << "steps of 255";  // the mesh may be half a step off, and more between its lines' crossings
 }
 
-double luminance_at(const SkyPainter& painter, double zenith_deg, double azimuth_deg) {
+double luminance_at(const DomePainter& painter, double zenith_deg, double azimuth_deg) {
   return sky_text::luminance_of(painter.sky(direction_from(from_degrees(zenith_deg), from_degrees(azimuth_deg))));
 }
 
@@ -134,7 +135,7 @@ TEST(TheDome, DarkensOverheadAndStaysBrightAtTheHorizonOnTheWayUp) {
   // U Fig 5.4.
   double zenith_before = 1e9;
   for (const double altitude_m : {0.0, 5000.0, 10000.0}) {
-    const SkyPainter painter(sky_scene(sky_under(2.0, 45.0, altitude_m)));
+    const DomePainter painter(sky_scene(sky_under(2.0, 45.0, altitude_m)));
     const double zenith = luminance_at(painter, 0.0, 0.0), horizon = luminance_at(painter, 89.0, 188.0);
     EXPECT_LT(zenith, 0.75 * zenith_before) << altitude_m << " m";
     EXPECT_GT(horizon, 4000.0) << "cd/m2, " << altitude_m << " m";
@@ -147,7 +148,7 @@ TEST(TheDome, HasNoBandOppositeTheSun) {
   // Along circles around the zenith it is darkest at about a right angle to the sun, as skies are, and brightens evenly
   // from there.
   for (const double zenith_deg : {60.0, 75.0, 85.0}) {
-    const SkyPainter painter(sky_scene(sky_under(2.0, zenith_deg)));
+    const DomePainter painter(sky_scene(sky_under(2.0, zenith_deg)));
     const auto along = [&](double degrees) { return luminance_at(painter, zenith_deg, 8.0 + degrees); };
     double darkest = 0.0;
     for (double degrees = 0.0; degrees <= 180.0; degrees += 1.0)
@@ -178,7 +179,7 @@ TEST(TheDome, IsBlueOverheadUnderALowSun) {
 }
 
 TEST(MadeLand, IsHitFromAboveWhereItsPointsAre) {
-  SkyCamera camera = small_camera(SkyProjection::perspective);
+  Viewpoint camera = small_camera(PanoramaProjection::perspective);
   camera.pitch_deg = -20.0;
   const auto land = must(land_for(camera, 3000.0, true));
   const LandRayCaster sight(land->land, land->from, land->to);
@@ -199,13 +200,13 @@ double burnt_out(const Image<Rgb8>& picture) {
 }
 
 TEST(SeenScene, HasASunWithinItsGlowAndNoWhiteHalves) {
-  SkyCamera camera = small_camera(SkyProjection::perspective);
+  Viewpoint camera = small_camera(PanoramaProjection::perspective);
   for (const double turbidity : {2.0, 3.0, 6.0, 9.0})
     for (const double zenith_deg : {65.0, 75.0, 85.0}) {
       if (turbidity > 5.0 && zenith_deg > 80.0) continue;  // haze hides it
-      const SkyRequest sky = standing_on_land(camera, sky_under(turbidity, zenith_deg));
+      const DomeRequest sky = standing_on_land(camera, sky_under(turbidity, zenith_deg));
       const auto picture =
-          SkyDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
+          DomeDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
       EXPECT_LT(burnt_out(picture), 0.01) << "T " << turbidity << ", sun " << zenith_deg << " deg from the zenith";
       const auto sun = pixel_of(view_of(camera), sky.sun);
       const auto at = [&](double off) { return picture.at(static_cast<int>(sun->x + off), static_cast<int>(sun->y)); };
@@ -216,39 +217,39 @@ TEST(SeenScene, HasASunWithinItsGlowAndNoWhiteHalves) {
 }
 
 TEST(SeenScene, MetersOnItsOwnPictureAndTakesAGivenExposure) {
-  SkyCamera camera = small_camera(SkyProjection::perspective);
+  Viewpoint camera = small_camera(PanoramaProjection::perspective);
   for (const double heading_deg : {8.0, 188.0}) {  // into the sun and away from it
     camera.heading_deg = heading_deg;
-    const SkyRequest sky = standing_on_land(camera, sky_under(4.0, 70.0));
-    const auto picture = SkyDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
+    const DomeRequest sky = standing_on_land(camera, sky_under(4.0, 70.0));
+    const auto picture = DomeDrawing::by_cpu().draw(view_of(camera), scene_seen(camera, sky, nullptr), nullptr).value();
     double sum = 0.0;
     for (const Rgb8& pixel : picture.elements()) sum += pixel.g;
     EXPECT_NEAR(sum / static_cast<double>(picture.elements().size()), 185.0, 20.0) << heading_deg;
   }
-  SkyRequest given = sky_under(4.0, 70.0);
+  DomeRequest given = sky_under(4.0, 70.0);
   given.exposure = 3e-5;
   EXPECT_EQ(scene_seen(camera, given, nullptr).exposure, 3e-5);
 }
 
 TEST(SeenScene, HasNoGlareOfASunBehindMountains) {
-  SkyCamera camera = small_camera(SkyProjection::perspective);
-  SkyRequest sky = standing_on_land(camera, sky_under(2.0, 89.0));
+  Viewpoint camera = small_camera(PanoramaProjection::perspective);
+  DomeRequest sky = standing_on_land(camera, sky_under(2.0, 89.0));
   const auto land = must(land_for(camera, sky.altitude_m, true));
   EXPECT_EQ(scene_seen(camera, sky, &*land).sun_luminance, glm::dvec3(0.0));
   EXPECT_GT(scene_seen(camera, sky, nullptr).sun_luminance.g, 0.0);
 }
 
 TEST(MadeLand, FadesIntoTheSkyAtTheHorizonInHaze) {
-  SkyCamera camera = small_camera(SkyProjection::perspective);
+  Viewpoint camera = small_camera(PanoramaProjection::perspective);
   camera.pitch_deg = 2.0;
   for (const double azimuth_deg : {8.0, 98.0, 188.0}) {
     camera.heading_deg = azimuth_deg;
-    const SkyRequest sky = standing_on_land(camera, sky_under(6.0, 60.0));
+    const DomeRequest sky = standing_on_land(camera, sky_under(6.0, 60.0));
     const auto land = land_for(camera, sky.altitude_m, false);
     const LandRayCaster sight(land->land, land->from, land->to);
-    const SkyScene scene = scene_seen(camera, sky, &*land);
-    const SkyView view = view_of(camera);
-    const SkyPainter painter(scene);
+    const DomeScene scene = scene_seen(camera, sky, &*land);
+    const PanoramaView view = view_of(camera);
+    const DomePainter painter(scene);
     for (int x = 20; x < camera.width; x += 40)
       for (int y = 1; y < camera.height; ++y) {
         const auto hit = sight.along(direction_of(view, {x, y}), scene.altitude_m);
@@ -264,8 +265,8 @@ TEST(MadeLand, FadesIntoTheSkyAtTheHorizonInHaze) {
 }
 
 TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
-  SkyViewState shown;
-  shown.camera = small_camera(SkyProjection::perspective);
+  SkyWindowState shown;
+  shown.camera = small_camera(PanoramaProjection::perspective);
   shown.sky = sky_under(2.5, 45.0);
   EXPECT_FALSE(shown.apply({false, 100.0, 60.0, ""}));
   EXPECT_TRUE(shown.apply({true, 100.0, 60.0, ""}));
@@ -275,7 +276,7 @@ TEST(SkyWindow, PutsTheSunWhereThePointerIs) {
 }
 
 TEST(SkyWindow, KeysChangeAirAndAltitudeWithinTheirRanges) {
-  SkyViewState shown;
+  SkyWindowState shown;
   shown.sky = sky_under(2.5, 45.0);
   EXPECT_TRUE(shown.apply({false, 0, 0, "ta"}));
   EXPECT_NEAR(shown.sky.turbidity.value, 2.75, 1e-12);

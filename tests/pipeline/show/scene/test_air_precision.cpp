@@ -8,7 +8,7 @@
 #include "gles/air/haze_blur.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/lab/sky/sky_drawing.hpp"
+#include "pipeline/lab/sky/dome_drawing.hpp"
 #include "pipeline/show/scene/haze_blur_for_gles.hpp"
 #include "tests/estimator/haze/haze_scenes.hpp"
 #include "tests/gles/gl/halves.hpp"
@@ -28,14 +28,14 @@ class AirPrecision : public testing::Test {
 };
 
 TEST_F(AirPrecision, OfTheDome) {
-  for (const auto projection : {SkyProjection::perspective, SkyProjection::fisheye})
-    for (const double sun_deg : {projection == SkyProjection::fisheye ? 8.0 : 50.0}) {
-      SkyCamera camera;
+  for (const auto projection : {PanoramaProjection::perspective, PanoramaProjection::fisheye})
+    for (const double sun_deg : {projection == PanoramaProjection::fisheye ? 8.0 : 50.0}) {
+      Viewpoint camera;
       camera.projection = projection;
-      camera.width = projection == SkyProjection::fisheye ? 1080 : 1920;
+      camera.width = projection == PanoramaProjection::fisheye ? 1080 : 1920;
       camera.height = 1080;
       camera.pitch_deg = 20.0;
-      SkyRequest sky;
+      DomeRequest sky;
       const double azimuth = from_degrees(20.0).value, height = from_degrees(sun_deg).value;
       sky.sun = {std::sin(azimuth) * std::cos(height), std::cos(azimuth) * std::cos(height), std::sin(height)};
       sky = standing_on_land(camera, sky);
@@ -43,12 +43,12 @@ TEST_F(AirPrecision, OfTheDome) {
       const auto scene = scene_seen(camera, sky, land ? &*land : nullptr);
       const auto drawn_in = [&](FragmentPrecision precision) {
         const LesserGl gl(precision);
-        return SkyDrawing::by_gpu().value().draw(view_of(camera), scene, land ? &*land : nullptr).value();
+        return DomeDrawing::by_gpu().value().draw(view_of(camera), scene, land ? &*land : nullptr).value();
       };
       const auto exact = drawn_in(FragmentPrecision::high);
       // Of a fisheye, whose rim is off by half a pixel in 16 bits: without the rim.
       const auto without_rim = [&](Image<Rgb8> picture) {
-        if (projection != SkyProjection::fisheye) return picture;
+        if (projection != PanoramaProjection::fisheye) return picture;
         for (int y = 0; y < picture.height(); ++y)
           for (int x = 0; x < picture.width(); ++x)
             if (std::abs(std::hypot(x - 539.5, y - 539.5) - 540.0) < 2.0) picture.at(x, y) = {};

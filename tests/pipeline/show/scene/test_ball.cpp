@@ -145,7 +145,7 @@ struct Day {
       : daylight(Camera{}, Turbidity{turbidity}, sun), light(light_for_gles(daylight.on_object())) {
     const glm::dvec3 sky = gathered(
         cones_of([&](const Direction& d) { return d.z > 0.0 ? daylight.airlight(d) : glm::dvec3{0.0}; }), {0, 0, 1});
-    ground = DaylightOptions{}.ground_albedo / kPi * (sky + std::max(0.0, sun.z) * light.sun_irradiance);
+    ground = DaylightConditions{}.ground_albedo / kPi * (sky + std::max(0.0, sun.z) * light.sun_irradiance);
   }
   glm::dvec3 operator()(const Direction& d) const { return d.z > 0.0 ? daylight.airlight(d) : ground; }
 };

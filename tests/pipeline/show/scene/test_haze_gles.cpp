@@ -154,7 +154,7 @@ TEST_F(HazeOnGpu, CompositesLikeTheReference) {
 TEST_F(HazeOnGpu, ReportsProblems) {
   auto blur = HazeBlur::create(context->info(), 8, 6).value();
   EXPECT_FALSE(blur.run({})) << "no picture yet";
-  HazeScene wrong{Image<glm::vec3>(8, 6), Image<float>(8, 5), Image<float>(7, 6), Image<float>(8, 6)};
+  BlurInput wrong{Image<glm::vec3>(8, 6), Image<float>(8, 5), Image<float>(7, 6), Image<float>(8, 6)};
   const auto set = blur.set_scene(wrong);
   ASSERT_FALSE(set);
   EXPECT_THAT(set.error().message, testing::AllOf(testing::HasSubstr("8 x 5"), testing::HasSubstr("7 x 6")));

@@ -39,7 +39,7 @@ struct BeforeAHill : testing::Test {
   }
   // Light before the object in that air, with what is seen behind it or without.
   AirlightGrid drawn(double turbidity, const Image<Rgb8>& seen, bool looked = true) const {
-    SceneAirOptions options;
+    AirRendering options;
     options.turbidity = Turbidity{turbidity};
     SceneAir air(installation, options);
     HorizonAnswer answer{air.observer(), {}, horizon()};
@@ -66,7 +66,7 @@ TEST_F(BeforeAHill, FogIsAsBrightAsTheCameraSeesItThere) {
 // A black hill shows as much light as the air puts before it, also where that is thinner by a third than believed.
 TEST_F(BeforeAHill, ABlackHillInTheAirThatIsBelievedBindsNothing) {
   for (const double turbidity : {1.8, 2.5, 4.0, 6.0, 12.0, 25.0}) {
-    SceneAirOptions options;
+    AirRendering options;
     options.turbidity = Turbidity{turbidity};
     const SceneAir air(installation, options);
     const auto appearance = air.appearance(air.conditions(report), kOnTheHill);

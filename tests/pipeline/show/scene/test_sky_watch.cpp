@@ -24,7 +24,7 @@ using testing::HasSubstr;
 constexpr double kAltitude_m = 300.0;
 constexpr Instant kStart{1h};
 
-Installation site(SiteSkyModel model = SiteSkyModel::automatic) {
+Installation site(DaylightModel model = DaylightModel::automatic) {
   Installation installation;
   installation.site.altitude_m = kAltitude_m;
   installation.surroundings.sky_model = model;
@@ -57,7 +57,7 @@ TurbidityEstimate closed_sky() {
 }
 
 // Extinction of a column's aerosol, and of molecules, at the site.
-SceneAirReading path_through(const Aerosol& aerosol, Instant when, double relative_sigma = 0.05) {
+TrackerReading path_through(const Aerosol& aerosol, Instant when, double relative_sigma = 0.05) {
   PathReading path;
   for (std::size_t c = 0; c < 3; ++c) {
     const double wavelength_nm = std::array{610.0, 540.0, 460.0}[c];
@@ -74,7 +74,7 @@ SceneAirReading path_through(const Aerosol& aerosol, Instant when, double relati
 class SkyWatchTest : public testing::Test {
  protected:
   SkyWatch watch_over(const Installation& installation) {
-    SkyWatchOptions options;
+    ObservationPlan options;
     options.estimator = [seen = seen](const SkyPicture&, const SunDirection& sun) {
       auto estimate = *seen;
       estimate.sun = sun;
@@ -238,7 +238,7 @@ TEST(SceneCamerasSaturation, IsLearntUnlessItIsKnown) {
   installation.scene.lens = pinhole_lens({{30.0, 30.0}, {15.5, 15.5}, {}});
   SkyWatch watch(installation);
   EXPECT_FALSE(watch.with_air({}, kStart).scene_saturation);
-  SceneAirReading reading;
+  TrackerReading reading;
   reading.when = kStart;
   reading.saturation = 1.6;
   EXPECT_FALSE(reading.empty());
@@ -260,7 +260,7 @@ TEST(SceneCamerasSaturation, IsLearntUnlessItIsKnown) {
 // The twelfth hazy picture of a kiosk's first month must not change the building's colours before a visitor's eyes.
 TEST(SceneCamerasSaturation, ComesInOverMinutesWhereItIsLearntWhileOneLooks) {
   SkyWatch watch(site());
-  SceneAirReading reading;
+  TrackerReading reading;
   reading.when = kStart;
   watch.observe(reading);  // nothing is known of it yet
   EXPECT_FALSE(watch.with_air({}, kStart).scene_saturation);

@@ -50,23 +50,23 @@ TEST(GivenAirKeys, ANumberThatIsNoneIsRefused) {
 TEST(GivenAirKeys, DecideTheSkyThatIsFitted) {
   Installation installation;
   installation.site.altitude_m = 300.0;
-  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham);
-  EXPECT_TRUE(installation.sky_to_fit().every_model) << "all are asked";
+  EXPECT_EQ(installation.model_to_fit().model, DaylightModel::preetham);
+  EXPECT_TRUE(installation.model_to_fit().every_model) << "all are asked";
   installation.surroundings.air.kind = AerosolKind::smoke;
-  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::dome);
-  EXPECT_EQ(installation.sky_to_fit().aerosol->kind, AerosolKind::smoke);
-  EXPECT_EQ(installation.sky_to_fit().known, installation.surroundings.air);
-  installation.surroundings.sky_model = SiteSkyModel::preetham;
-  EXPECT_EQ(installation.sky_to_fit().model, SiteSkyModel::preetham) << "asked for";
-  EXPECT_FALSE(installation.sky_to_fit().every_model);
-  EXPECT_FALSE(installation.sky_to_fit().aerosol);
+  EXPECT_EQ(installation.model_to_fit().model, DaylightModel::dome);
+  EXPECT_EQ(installation.model_to_fit().aerosol->kind, AerosolKind::smoke);
+  EXPECT_EQ(installation.model_to_fit().known, installation.surroundings.air);
+  installation.surroundings.sky_model = DaylightModel::preetham;
+  EXPECT_EQ(installation.model_to_fit().model, DaylightModel::preetham) << "asked for";
+  EXPECT_FALSE(installation.model_to_fit().every_model);
+  EXPECT_FALSE(installation.model_to_fit().aerosol);
 }
 
 TEST(SkyModelKey, OfAKioskIsNotThePapersAlone) {
   const auto table = ConfigTable::parse("[site]\nsky_model = \"preetham\"\n", "kasumi.toml").value();
-  EXPECT_EQ(read_installation(table).surroundings.sky_model, SiteSkyModel::preetham) << "of a recording";
+  EXPECT_EQ(read_installation(table).surroundings.sky_model, DaylightModel::preetham) << "of a recording";
   const auto config = read_run_config(table);
-  EXPECT_EQ(config.installation.surroundings.sky_model, SiteSkyModel::automatic);
+  EXPECT_EQ(config.installation.surroundings.sky_model, DaylightModel::automatic);
   EXPECT_THAT(config.sky_model_note,
               HasSubstr("sky_model = \"preetham\": the papers' way is for photographs and replays"));
 }

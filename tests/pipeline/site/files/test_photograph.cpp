@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/picture_tags.hpp"
+#include "base/picture_files/embedded_tags.hpp"
 #include "base/picture_files/rare_files.hpp"
 #include "pipeline/site/config/content.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
@@ -90,7 +90,7 @@ TEST(Photograph, ATiffBringsTheProfileOfSrgb) {
         photograph.encoded.at(x, y) = {static_cast<float>(x) / 30.0F, static_cast<float>(y) / 16.0F, 0.2F};
     ASSERT_TRUE(write_photograph(file, photograph));
     const auto bytes = read_file(file).value();
-    const auto tags = picture_tags(picture_header(bytes).value(), bytes);
+    const auto tags = embedded_tags(picture_header(bytes).value(), bytes);
     ASSERT_TRUE(tags) << tags.error().message;
     ASSERT_GT(tags->profile.size(), 128u);
     EXPECT_EQ(std::string(tags->profile.begin() + 36, tags->profile.begin() + 40), "acsp");

@@ -12,8 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "base/files.hpp"
-#include "base/picture_files/picture_tags.hpp"
-#include "base/picture_files/seen_picture.hpp"
+#include "base/picture_files/embedded_tags.hpp"
+#include "base/picture_files/upright_picture.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_times.hpp"
 #include "tests/must.hpp"
@@ -128,7 +128,7 @@ glm::ivec2 place_in_file(int orientation, int column, int row, int columns, int 
   }
 }
 
-TEST(SeenPicture, IsTurnedAsExifSays) {
+TEST(UprightPicture, IsTurnedAsExifSays) {
   cv::Mat fine;
   blocks().convertTo(fine, CV_16U, 257.0);
   for (int orientation = 1; orientation <= 8; ++orientation)
@@ -197,7 +197,7 @@ glm::dvec3 p3_to_srgb(const glm::dvec3& p3) {
           light_to_srgb(-0.0196376 * l.r - 0.0786361 * l.g + 1.0982736 * l.b)};
 }
 
-TEST(SeenPicture, ColoursOfAProfileBecomeSrgb) {
+TEST(UprightPicture, ColoursOfAProfileBecomeSrgb) {
   const auto profile = display_p3();
   const auto half = static_cast<std::ptrdiff_t>(profile.size() / 2);
   auto jpeg = encoded(blocks(), ".jpg");
@@ -228,7 +228,7 @@ TEST(SeenPicture, ColoursOfAProfileBecomeSrgb) {
   }
 }
 
-TEST(SeenPicture, SrgbsOwnProfileChangesNoBit) {
+TEST(UprightPicture, SrgbsOwnProfileChangesNoBit) {
   auto bytes = encoded(blocks(), ".png");
   ASSERT_TRUE(write_file(seen_folder() / "plain.png", bytes));
   ASSERT_TRUE(
@@ -237,7 +237,7 @@ TEST(SeenPicture, SrgbsOwnProfileChangesNoBit) {
             read_photograph(seen_folder() / "srgb.png").value().encoded.elements());
 }
 
-TEST(SeenPicture, WhatCannotBeAppliedIsRefusedInWords) {
+TEST(UprightPicture, WhatCannotBeAppliedIsRefusedInWords) {
   const auto refusal = [](const SeenBytes& profile) {
     EXPECT_TRUE(
         write_file(seen_folder() / "refused.png", with_chunk(encoded(blocks(), ".png"), "iCCP", iccp(profile))));
@@ -278,7 +278,7 @@ SeenBytes camera_exif() {
   return e;
 }
 
-TEST(SeenPicture, WhatIsWrittenSaysSrgbWhenAndWhereAndNoMore) {
+TEST(UprightPicture, WhatIsWrittenSaysSrgbWhenAndWhereAndNoMore) {
   ASSERT_TRUE(write_file(seen_folder() / "taken.jpg",
                          with_segment(encoded(blocks(), ".jpg"), 0xe1, headed("Exif\0\0", 6, camera_exif()))));
   const auto taken = read_photograph(seen_folder() / "taken.jpg").value();
@@ -290,7 +290,7 @@ TEST(SeenPicture, WhatIsWrittenSaysSrgbWhenAndWhereAndNoMore) {
     for (const char* word : {"THUMBNAIL", "Mak"}) EXPECT_THAT(text, testing::Not(HasSubstr(word))) << name;
     EXPECT_EQ(text.find("sRGB") != std::string::npos, std::string(name) == "made.png")
         << "a JPEG says it in EXIF, a TIFF by its profile";
-    const auto tags = picture_tags(*picture_header(bytes), bytes).value();
+    const auto tags = embedded_tags(*picture_header(bytes), bytes).value();
     const std::string exif(tags.exif.begin(), tags.exif.end());
     EXPECT_NE(exif.find(std::string("\x01\xa0\x03\0\x01\0\0\0\x01\0", 10)), std::string::npos) << "ColorSpace sRGB";
     const std::string place("\x2f\0\0\0\1\0\0\0\x1e\0\0\0\1\0\0\0\x0f\0\0\0\1\0\0\0", 24);  // 47/1 30/1 15/1
@@ -311,7 +311,7 @@ Result<cv::Mat> mask_from(const cv::Mat& rgba) {
   return mask_of({rgba, 1.0 / 255.0, false, {}});
 }
 
-TEST(SeenPicture, AMaskPaintedAsTransparencyIsAMask) {
+TEST(UprightPicture, AMaskPaintedAsTransparencyIsAMask) {
   cv::Mat photograph(4, 4, CV_8UC4);
   cv::randu(photograph, 0, 255);
   for (int y = 0; y < 4; ++y)
