@@ -1,10 +1,13 @@
 // A name of a type means one thing in its namespace: two definitions in one program are undefined behaviour that
-// neither compiler nor linker reports.
+// neither compiler nor linker reports. And it says which thing: a word that stands in many names distinguishes none.
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -87,6 +90,59 @@ std::vector<std::string> defined_twice(const Texts& texts, const std::vector<nlo
 
 std::vector<std::string> defined_twice(const Texts& texts) {
   return defined_twice(texts, types_in(texts));
+}
+
+constexpr std::size_t kMostWithAWord = 25;  // chosen: a list that is still read to its end
+
+// "Sky": the names of types in which that word stands, "SkyMask" and "LowSky".
+std::map<std::string, std::set<std::string>> names_by_word(const std::vector<nlohmann::json>& types) {
+  std::map<std::string, std::set<std::string>> names;
+  for (const auto& type : types) {
+    const auto name = type["name"].get<std::string>();
+    for (std::size_t at = 0; at < name.size();) {
+      auto end = at + 1;
+      while (end < name.size() && std::isupper(static_cast<unsigned char>(name[end])) == 0) ++end;
+      if (name.find("__anon") == std::string::npos) names[name.substr(at, end - at)].insert(name);
+      at = end;
+    }
+  }
+  return names;
+}
+
+// "26 names with Sky: LowSky SkyMask ..." of each word that stands in too many, the worst first.
+std::vector<std::string> worn_words(const std::vector<nlohmann::json>& types) {
+  std::vector<std::pair<std::size_t, std::string>> worn;
+  for (const auto& [word, names] : names_by_word(types)) {
+    if (names.size() <= kMostWithAWord) continue;
+    auto& said = worn.emplace_back(names.size(), fmt::format("{} names with {}:", names.size(), word)).second;
+    for (const auto& name : names) said += " " + name;
+  }
+  std::ranges::stable_sort(worn, std::greater{}, &std::pair<std::size_t, std::string>::first);
+  std::vector<std::string> said;
+  for (auto& [count, words] : worn) said.push_back(std::move(words));
+  return said;
+}
+
+TEST(OneName, HasNoWordThatManyHave) {
+  if (!has_ctags()) GTEST_SKIP() << "no ctags-universal (Debian: universal-ctags)";
+  auto texts = texts_ending_in(repository_files(), {".hpp", ".cpp"});
+  std::erase_if(texts, [](const auto& file) { return file.first.starts_with("tests/"); });
+  const auto types = types_in(texts);
+  EXPECT_GT(types.size(), 1500u) << "the files were not read";
+  EXPECT_THAT(worn_words(types), testing::IsEmpty()) << "name the new type by its role instead";
+}
+
+TEST(OneName, AWornWordWouldBeFound) {
+  if (!has_ctags()) GTEST_SKIP() << "no ctags-universal (Debian: universal-ctags)";
+  std::string text;
+  for (char letter = 'A'; letter < 'Z'; ++letter)
+    text += fmt::format("struct {0}aSky {{}};\nstruct {0}aSun {{}};\n", letter);
+  EXPECT_THAT(worn_words(types_in({{"a.hpp", text}})), testing::IsEmpty()) << "25 of each";
+  text += "namespace b { struct AaSky {}; }\n";
+  EXPECT_THAT(worn_words(types_in({{"a.hpp", text}})), testing::IsEmpty()) << "one name twice";
+  text += "class Air { enum class SkyKind { open }; };\n";
+  EXPECT_THAT(worn_words(types_in({{"a.hpp", text}})),
+              testing::ElementsAre(testing::StartsWith("26 names with Sky: ")));
 }
 
 TEST(OneName, IsOneType) {
