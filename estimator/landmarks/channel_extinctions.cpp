@@ -301,16 +301,18 @@ ExtinctionComparison LandmarkWatch::compare(const ChannelExtinctions& air, Turbi
   found.sky_per_m = model(sky.value);
   found.sky_sigma_per_m = sky_sigma * (model(sky.value + kStep) - model(sky.value - kStep)) / (2.0 * kStep);
   const auto& ours = air.extinction();
-  const double sigma = std::hypot(ours.sigma_per_m, found.sky_sigma_per_m);
-  if (ours.kind == ExtinctionKind::nothing || !(sigma > 0.0)) {
+  if (ours.kind == ExtinctionKind::nothing || !(found.sky_per_m > 0.0)) {
     found.message = ours.reason;
     return found;
   }
-  double off = ours.per_m - found.sky_per_m;
+  // In logarithms, as air elsewhere has so many times more as less; towards the sky's, our end is two sigma away.
+  double off = std::log(ours.per_m / found.sky_per_m);
   // Everything beyond a bound agrees with it.
   if (ours.kind == ExtinctionKind::at_most) off = std::min(0.0, off);
   if (ours.kind == ExtinctionKind::at_least) off = std::max(0.0, off);
-  found.sigmas = off / sigma;
+  const double end_per_m = off > 0.0 ? ours.lowest_per_m : ours.highest_per_m;
+  const double sigma = std::hypot(0.5 * std::log(end_per_m / ours.per_m), found.sky_sigma_per_m / found.sky_per_m);
+  if (off != 0.0) found.sigmas = off / sigma;
   found.agreement = std::abs(found.sigmas) > kDisagreement_sigmas ? Agreement::disagrees : Agreement::agrees;
   const auto kilometres = [](double per_m) { return kMeteorologicalRange / per_m / 1e3; };
   const auto landmarks = fmt::format("{}{:.1f} km",
