@@ -114,7 +114,7 @@ struct HorizonMailbox : Mailbox {
   Bell bell;
 };
 
-constexpr std::size_t kNoEra = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kNoEra = std::numeric_limits<std::size_t>::max();  // none of those that there are
 
 struct ReloadMailbox {
   Pulse pulse{"reload"};

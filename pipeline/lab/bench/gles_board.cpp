@@ -7,7 +7,7 @@
 #include "capture/codec/jpeg.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/lab/bench/board.hpp"
+#include "pipeline/lab/bench/machine_board.hpp"
 #include "pipeline/lab/bench/gles_papers.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_showing.hpp"

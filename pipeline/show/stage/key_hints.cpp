@@ -10,8 +10,8 @@ namespace kasumi {
 namespace {
 
 constexpr double kSmallerHints[]{1.0, 0.85, 0.7, 0.6, 0.5, 0.4};  // tried in turn
-constexpr int kMostHintLines = 3;
-constexpr double kLeastHint_px = 14.0;
+constexpr int kMostHintLines = 3;                                 // six hints side by side keep their words whole so
+constexpr double kLeastHint_px = 14.0;                            // smaller letters run together at 720 lines
 
 // With letters in which all fit; the smallest where none do.
 CaptionStyle fitting(const std::vector<std::string>& texts, CaptionStyle style, double usual_px) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "pipeline/lab/bench/board.hpp"
+#include "pipeline/lab/bench/machine_board.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
 

@@ -1,4 +1,4 @@
-#include "pipeline/lab/bench/board.hpp"
+#include "pipeline/lab/bench/machine_board.hpp"
 
 #include <sys/resource.h>
 #include <sys/utsname.h>
