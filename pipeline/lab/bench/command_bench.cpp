@@ -10,9 +10,9 @@
 #include "gles/gl/context.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/lab/bench/bench.hpp"
-#include "pipeline/lab/bench/machine_board.hpp"
 #include "pipeline/lab/bench/gles.hpp"
 #include "pipeline/lab/bench/haze.hpp"
+#include "pipeline/lab/bench/machine_board.hpp"
 #include "pipeline/lab/bench/recorded_run.hpp"
 
 namespace kasumi {

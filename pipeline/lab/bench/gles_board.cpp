@@ -7,11 +7,11 @@
 #include "capture/codec/jpeg.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/lab/bench/machine_board.hpp"
 #include "pipeline/lab/bench/gles_papers.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 #include "pipeline/lab/bench/gles_showing.hpp"
 #include "pipeline/lab/bench/gles_stopwatch.hpp"
+#include "pipeline/lab/bench/machine_board.hpp"
 
 namespace kasumi {
 namespace {
