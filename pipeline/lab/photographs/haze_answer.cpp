@@ -52,7 +52,9 @@ void add_depths(const HazeQuestion& question, const AnswerGroup& same, std::vect
     spread = std::max(spread, part->spread);
   }
   landmark.contrast_sigma = std::hypot(landmark.contrast_sigma, 0.5 * spread);
-  const LandmarkWatch watch(same.camera, question.altitude_m, {landmark}, {}, ScatteringModel::aerosol);
+  ContrastSpread spreads;
+  spreads.fog_patchy = 0.0;  // the path that is asked for is the one that is seen
+  const LandmarkWatch watch(same.camera, question.altitude_m, {landmark}, spreads, ScatteringModel::aerosol);
   std::vector<ChannelExtinctions> airs;
   if (question.distance_m && readings.size() > 1)
     airs = watch.estimate_all(readings);
