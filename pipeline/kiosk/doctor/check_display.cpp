@@ -113,7 +113,7 @@ void check_mixing(const GlInfo& info, Mixing mixing, Findings& findings) {
                             processor ? "processor" : "GPU", mixing == Mixing::automatic ? "" : ", as configured"));
 }
 
-void check_gl(const GlInfo& info, Findings& findings) {
+void check_gl_context(const GlInfo& info, Findings& findings) {
   const auto found = fmt::format("{}, {}", info.renderer, info.version);
   if (info.software)
     findings.warn(

@@ -44,7 +44,7 @@ void check_camera(const std::string& name, const CameraOptions& options, const O
 void check_connectors(const std::vector<ListedCard>& cards, const KmsDisplayOptions& options, Findings& findings);
 // Shows plain pictures as fast as the display accepts them.
 void check_flips(Display& display, Clock& clock, Findings& findings);
-void check_gl(const GlInfo& info, Findings& findings);
+void check_gl_context(const GlInfo& info, Findings& findings);
 void check_mixing(const GlInfo& info, Mixing mixing, Findings& findings);
 
 // check_visitor.cpp: which of the visitors' devices are there.

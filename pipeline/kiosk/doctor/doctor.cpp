@@ -131,7 +131,7 @@ void check_display(const RunConfig& config, Devices& devices, Clock& clock, Find
     return;
   }
   findings.good("display.open", (*display)->description());
-  check_gl((*display)->context().info(), findings);
+  check_gl_context((*display)->context().info(), findings);
   check_mixing((*display)->context().info(), config.mixing, findings);
   check_flips(**display, clock, findings);
 }
@@ -146,7 +146,7 @@ void check_running(const DoctorRequest& request, const RunConfig& config, const 
   else
     check_appliance(config, before, *later, to_seconds(clock.now() - began), findings);
   if (const auto gl = open_headless_context())
-    check_gl((*gl)->info(), findings);
+    check_gl_context((*gl)->info(), findings);
   else
     findings.warn("gl.renderer", gl.error().message, "sudo apt install libgl1-mesa-dri");
 }

@@ -287,9 +287,9 @@ TEST(DoctorDisplay, WarnsOfSoftwareGl) {
   GlInfo info;
   info.renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
   info.software = true;
-  EXPECT_EQ(judged_by(check_gl, "gl.renderer", info).grade, Grade::warning);
+  EXPECT_EQ(judged_by(check_gl_context, "gl.renderer", info).grade, Grade::warning);
   info.software = false;
-  EXPECT_EQ(judged_by(check_gl, "gl.renderer", info).grade, Grade::good);
+  EXPECT_EQ(judged_by(check_gl_context, "gl.renderer", info).grade, Grade::good);
 }
 
 }  // namespace
