@@ -97,7 +97,7 @@ std::string decoders_text(const std::vector<V4l2Decoder>& decoders) {
 
 void print_board(const std::string& version) {
   const double seconds = seconds_of([&] {
-    fmt::print("{}\n{}copied: {:.2f} GB/s, read and written, one core\n{}{}", version, machine_text(),
+    fmt::print("kasumi: {}\n{}copied: {:.2f} GB/s, read and written, one core\n{}{}", version, machine_text(),
                copied_gb_per_s(), displays_text(list_displays()), decoders_text(list_v4l2_decoders()));
     std::fflush(stdout);
     if (const auto drawing = draw_for_board(); !drawing) {
