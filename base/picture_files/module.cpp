@@ -12,6 +12,7 @@
 #include "base/picture_files/fits_picture.hpp"
 #include "base/picture_files/heif_picture.hpp"
 #include "base/picture_files/rare_files.hpp"
+#include "base/picture_files/silenced_errors.hpp"
 
 namespace kasumi {
 
@@ -56,6 +57,7 @@ class OpenCvFiles final : public RareFiles {
     if (is_fits(file)) return read_fits(file);
     // OpenCV only reads from it.
     const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8UC1, const_cast<std::uint8_t*>(file.data()));
+    const SilencedErrors silenced;
     cv::Mat picture = cv::imdecode(bytes, cv::IMREAD_UNCHANGED | cv::IMREAD_IGNORE_ORIENTATION);
     // OpenCV 4.6 gives a PAM's channels as the file has them, R first.
     if (file.size() > 2 && file[0] == 'P' && file[1] == '7' && picture.channels() >= 3)
