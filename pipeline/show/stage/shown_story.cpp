@@ -63,7 +63,8 @@ void ShownStory::lay_out(GlContext& context, const Content& content, const DrawT
 
 Result<> ShownStory::draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target,
                           double foot) {
-  if (view_ != view || foot_ != foot || width_ != target.width || height_ != target.height) {
+  const bool same = view_ == view && width_ == target.width && height_ == target.height;
+  if (!same || foot > foot_) {  // less foot: what is being read stays where it is
     view_ = view;
     foot_ = foot;
     width_ = target.width;

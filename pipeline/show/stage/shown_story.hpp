@@ -30,7 +30,7 @@ Result<> lay_story_over(Image<Rgb8>& picture, const StoryView& view, const Conte
 class ShownStory {
  public:
   // A panel that has no room beside the building is left out, and logged once. BLOCKS for as long as the letters take.
-  // `foot`: of the screen, that others take. Errors: device.
+  // `foot`: of the screen, that others take: while one story is read, the most that they took. Errors: device.
   Result<> draw(GlContext& context, const StoryView& view, const Content& content, const DrawTarget& target,
                 double foot = 0.0);
 

@@ -94,9 +94,11 @@ Result<> Stage::draw_over(const Composition& composition, const SkyReport& sky, 
   if (composition.before <= 0.0) before_.reset();
   if (auto drawn = draw_overlay(target); !drawn) return drawn;
   if (auto drawn = hints_.draw(*context_, composition.hints, letters, target); !drawn) return drawn;
-  const double foot = hints_.foot();  // labels and panel are above it
-  if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target, foot); !drawn) return drawn;
-  if (auto drawn = story_.draw(*context_, composition.story, *content_, target, foot); !drawn) return drawn;
+  // Each above the one before.
+  if (auto drawn = then_and_now_.draw(*context_, composition.hand, letters, target, hints_.foot()); !drawn)
+    return drawn;
+  if (auto drawn = story_.draw(*context_, composition.story, *content_, target, then_and_now_.foot()); !drawn)
+    return drawn;
   if (auto drawn = still_.draw(target, sky, rung.still); !drawn) return drawn;
   if (auto drawn = caption_.draw(*context_, content_->config.still.caption, letters, false, rung.still, target); !drawn)
     return drawn;

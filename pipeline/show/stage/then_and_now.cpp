@@ -75,6 +75,8 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
   if (!label.picture) return {};
   const double width = label.picture->width(), height = label.picture->height(),
                margin = std::max(target.height / 24.0, foot);
+  // Also where it has no room: while the edge moves, nothing else on the screen shall.
+  foot_ = std::max(foot_, std::ceil(margin + height + target.height / 48.0));
   if (to - from < width + target.height / 24.0) return {};
   const double left = std::round(std::clamp((from + to - width) / 2.0, 0.0, target.width - width));
   return label.picture->draw(target, {left, std::round(target.height - margin - height), width, height});
@@ -82,6 +84,7 @@ Result<> ThenAndNow::draw(Label& label, const std::string& text, double from, do
 
 Result<> ThenAndNow::draw(GlContext& context, const HandView& view, const MessageStyle& letters,
                           const DrawTarget& target, double foot) {
+  foot_ = foot;
   if (view.then.empty()) return {};
   const double edge = std::round(view.bare * target.width);
   if (auto drawn = draw(now_, view.now, 0.0, edge, foot, context, letters, target); !drawn) return drawn;

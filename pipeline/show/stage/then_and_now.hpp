@@ -34,6 +34,7 @@ class ThenAndNow {
   // `foot`: pixels that are left to others there. Errors: device.
   Result<> draw(GlContext& context, const HandView& view, const MessageStyle& letters, const DrawTarget& target,
                 double foot = 0.0);
+  double foot() const { return foot_; }  // of the picture, that these words took last, `foot` included: pixels
 
  private:
   struct Label {
@@ -44,6 +45,7 @@ class ThenAndNow {
   Result<> draw(Label& label, const std::string& text, double from, double to, double foot, GlContext& context,
                 const MessageStyle& letters, const DrawTarget& target);
   Label now_, then_;
+  double foot_ = 0.0;
   std::optional<FlatPicture> edge_;
 };
 

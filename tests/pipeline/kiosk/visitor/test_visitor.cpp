@@ -119,6 +119,55 @@ TEST(Visitor, AStoryIsReadBesideTheBuilding) {
   EXPECT_LT(difference(rig.picture(), plain, 0, plain.width()), 0.05) << "the next visitor finds none";
 }
 
+// In large print a story may fill the screen's height: also where the labels of a wipe are to be read.
+TEST(Visitor, AStoryLeavesTheLabelsFree) {
+  const auto folder = test_folder("appliance-visitor-labels");
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  std::string text;
+  for (int i = 0; i < 19; ++i) text += "five roofs ";
+  ASSERT_TRUE(write_text_file(folder / "content.toml",
+                              "languages = [\"en\"]\n[[story]]\nname = \"roofs\"\nplace_m = [0, 3, 0]\n"
+                              "title = { en = \"Roofs\" }\ntext = { en = \"" +
+                                  text + "\" }\n"));
+  Rig rig({.name = "visitor-labels",
+           .recording = source_folder() / "fixtures/demo",
+           .more_config = kHand,
+           .first_config = "content = \"content.toml\"\n",
+           .utc = std::chrono::sys_days{std::chrono::October / 20 / 2026} + 6h + 10min,
+           .observe_every = 30s,
+           .keep_folder = true});
+  auto& panel = rig.devices.input.devices[kPanel];
+  const auto tap = [&](int code) {
+    for (const bool down : {true, false}) {
+      panel.key(code, down);
+      rig.advance(60ms);
+    }
+  };
+  rig.advance(4s);
+  ASSERT_EQ(rig.shown(), Shown::live);
+  tap(KEY_P);
+  panel.key(KEY_SPACE, true);
+  rig.advance(4s);  // what a key did is said no longer
+  const auto labels = rig.picture();
+  tap(KEY_S);
+  rig.advance(4s);
+  const auto told = rig.picture();
+  int changed = 0, covered = 0;
+  for (int y = 0; y < told.height(); ++y)
+    for (int x = 0; x < told.width(); ++x)
+      if (std::abs(told.at(x, y).g - labels.at(x, y).g) > 20) ++(y < 620 ? changed : covered);
+  EXPECT_GT(changed, 50'000) << "the panel";
+  EXPECT_LT(covered, 100) << "of the rows in which the label is";
+  panel.key(KEY_SPACE, false);
+  rig.advance(4s);
+  const auto let_go = rig.picture();
+  int moved = 0;
+  for (int y = 0; y < 620; ++y)
+    for (int x = 0; x < 400; ++x) moved += std::abs(told.at(x, y).g - let_go.at(x, y).g) > 20 ? 1 : 0;
+  EXPECT_LT(moved, 100) << "while it is read it stays where it is";
+}
+
 double mean_green(const Image<Rgb8>& picture, int from, int to) {
   double sum = 0.0;
   for (int y = 20; y < 60; ++y)

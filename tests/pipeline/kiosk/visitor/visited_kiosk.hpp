@@ -23,8 +23,9 @@ inline constexpr const char* kHand =
     "era = [\"KEY_E\"]\nlanguage = [\"KEY_L\"]\nlarge_print = [\"KEY_P\"]\nstory = [\"KEY_S\"]\nview = [\"KEY_V\"]\n";
 
 struct VisitedKiosk {
-  explicit VisitedKiosk(const std::string& name, const std::string& more = {}) {
-    rig = std::make_unique<Rig>(RigOptions{.name = name, .more_config = kHand + more});
+  explicit VisitedKiosk(const std::string& name, const std::string& more = {}, const std::string& first = {}) {
+    rig = std::make_unique<Rig>(
+        RigOptions{.name = name, .more_config = kHand + more, .first_config = first, .keep_folder = !first.empty()});
     plug();
     rig->advance(12s);
     EXPECT_EQ(rig->shown(), Shown::live);
