@@ -37,10 +37,14 @@ Result<cv::Mat> decode_rare(const PictureHeader& header, std::span<const std::ui
 }  // namespace
 
 // A JPEG of four colours is left to OpenCV.
-Result<cv::Mat> decode_picture_file(const PictureHeader& header, std::span<const std::uint8_t> bytes) {
+Result<cv::Mat> decode_picture_file(const PictureHeader& header, std::span<const std::uint8_t> bytes, bool* whole) {
+  if (whole) *whole = false;
   if (header.format != "PNG" && header.format != "JPEG") return decode_rare(header, bytes);
   const auto decoded = header.format == "PNG" ? decode_png(bytes) : decode_jpeg_file(bytes);
-  if (decoded) return matrix_of(*decoded);
+  if (decoded) {
+    if (whole) *whole = decoded->whole;
+    return matrix_of(*decoded);
+  }
   if (decoded.error().kind == FaultKind::unsupported) return decode_rare(header, bytes);
   return fail(FaultKind::bad_input, "not a picture that can be read: {}", decoded.error().message);
 }

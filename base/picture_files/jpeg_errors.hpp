@@ -20,13 +20,17 @@ class JpegErrors {
     base_.emit_message = [](j_common_ptr info, int level) {
       if (level < 0 && !harmless(info->err->msg_code)) leave(info);  // level < 0: a warning, the data are damaged
     };
-    if (damage == JpegDamage::is_left) base_.emit_message = [](j_common_ptr, int) {};
+    if (damage == JpegDamage::is_left)
+      base_.emit_message = [](j_common_ptr info, int level) {
+        if (level < 0 && !harmless(info->err->msg_code)) ++info->err->num_warnings;
+      };
   }
   JpegErrors(const JpegErrors&) = delete;  // libjpeg keeps its address
   JpegErrors& operator=(const JpegErrors&) = delete;
 
   jpeg_error_mgr* manager() { return &base_; }
   const char* message() const { return message_; }
+  bool saw_damage() const { return base_.num_warnings > 0; }
 
   // Runs `calls`; false when libjpeg reported an error. Errors longjmp out of it, so it may hold nothing with a
   // destructor.

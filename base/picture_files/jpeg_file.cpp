@@ -28,6 +28,7 @@ class JpegFileReader {
       return damaged();
     DecodedFile file{
         static_cast<int>(info_.output_width), static_cast<int>(info_.output_height), info_.output_components, 8, {}};
+    const bool several_scans = jpeg_has_multiple_scans(&info_) != 0;
     const std::size_t row_bytes = std::size_t{info_.output_width} * static_cast<std::size_t>(file.channels);
     file.samples.resize(row_bytes * info_.output_height);
     if (!errors_.guard([&] {
@@ -37,6 +38,9 @@ class JpegFileReader {
           }
         }))
       return damaged();
+    // Of several scans the last may be missing where the bytes end too early: capture's check_jpeg has the rule.
+    file.whole = !several_scans && !errors_.saw_damage() && errors_.guard([&] { jpeg_finish_decompress(&info_); }) &&
+                 !errors_.saw_damage();
     return file;
   }
 

@@ -21,6 +21,7 @@ struct DecodedFile {
   int channels = 0;  // 1: grey; 3: R G B; 4: R G B A
   int bits = 8;      // of a sample: 8, or 16 in this machine's order of bytes
   std::vector<std::uint8_t> samples;
+  bool whole = false;  // a JPEG of which no pixel was missing; false says nothing
 };
 
 // Values as they stand in the file: no gamma, no colour profile, no EXIF orientation. The caller has checked its size

@@ -23,9 +23,10 @@ void turn(cv::Mat& picture, int orientation) {
 Result<UprightPicture> decode_upright_picture(const PictureHeader& header, std::span<const std::uint8_t> file) {
   auto tags = embedded_tags(header, file);
   if (!tags) return fail(tags.error());
-  auto decoded = decode_picture_file(header, file);
+  bool whole = false;
+  auto decoded = decode_picture_file(header, file, &whole);
   if (!decoded) return fail(decoded.error());
-  UprightPicture seen{std::move(*decoded), 0.0, false, std::move(tags->exif)};
+  UprightPicture seen{std::move(*decoded), 0.0, false, std::move(tags->exif), whole};
   if (seen.picture.empty()) return seen;
   const int depth = seen.picture.depth();
   seen.quantum = depth == CV_8U ? 1.0 / 255.0 : depth == CV_16U ? 1.0 / 65535.0 : 0.0;

@@ -17,6 +17,7 @@ struct UprightPicture {
   double quantum = 0.0;  // of the file's samples: 1/255, 1/65535; 0: floats
   bool is_converted = false;       // by its profile
   std::vector<std::uint8_t> exif;  // the file's, a TIFF of tags
+  bool whole = false;              // a JPEG that was seen to miss nothing
 };
 
 // The caller has checked its size. Without orientation and profile the samples are those of decode_picture_file(), bit

@@ -51,7 +51,7 @@ Result<UprightPicture> decode_file(const std::filesystem::path& path, std::strin
   if (taken) *taken = is_fits(*bytes) ? taken_at(*bytes) : taken_by_exif(image.exif);
   // Decoders make grey of what is missing, without a word.
   if (damage) damage->clear();
-  if (is_jpeg(*bytes))
+  if (is_jpeg(*bytes) && !image.whole)
     if (const auto whole = check_jpeg(*bytes); !whole) {
       if (!damage) return fail(FaultKind::bad_input, "{}: {}", path.string(), whole.error().message);
       *damage = whole.error().message;
