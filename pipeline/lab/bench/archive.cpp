@@ -11,6 +11,7 @@
 #include "capture/codec/encode.hpp"
 #include "pipeline/lab/bench/bench.hpp"
 #include "pipeline/lab/bench/drawn_sky.hpp"
+#include "pipeline/lab/photographs/kept_memory.hpp"
 #include "pipeline/lab/photographs/sky_photograph.hpp"
 
 namespace kasumi {
@@ -125,6 +126,7 @@ Result<std::vector<BenchRow>> archive_rows(const std::filesystem::path& folder) 
 }  // namespace
 
 Result<std::vector<BenchRow>> bench_archive() {
+  keep_freed_memory();
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("kasumi-bench-{}", ::getpid());
   std::error_code error;
   std::filesystem::create_directories(folder, error);
