@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "base/statistics.hpp"
+#include "base/nth_smallest.hpp"
 #include "estimator/cloud_cover/clear_blue.hpp"
 #include "estimator/cloud_cover/pixel_features.hpp"
 #include "estimator/cloud_cover/sky_part.hpp"
@@ -51,7 +51,7 @@ Levels levels_of(const PixelFeatures& sky) {
       values[3].push_back(sky.light(y, x));
       values[4].push_back(std::max({v[0], v[1], v[2]}) - std::min({v[0], v[1], v[2]}));
     }
-  const auto quantile = [](std::vector<float>& v, double share) -> double { return quantile_in_place(v, share); };
+  const auto quantile = [](const std::vector<float>& v, double share) -> double { return counted_quantile(v, share); };
   Levels levels;
   const std::array bright = {quantile(values[0], 0.95), quantile(values[1], 0.95), quantile(values[2], 0.95)};
   levels.bright = *std::max_element(bright.begin(), bright.end());
@@ -82,7 +82,7 @@ double median_blueness(const PixelFeatures& sky, const cv::Mat1b& region) {
   for (int y = 0; y < region.rows; y += 2)
     for (int x = 0; x < region.cols; x += 2)
       if (region(y, x)) values.push_back(sky.blueness(y, x));
-  return median_in_place(values);
+  return counted_median(values);
 }
 
 double share_of(const cv::Mat1b& part, const cv::Mat1b& whole) {
@@ -114,7 +114,14 @@ std::string_view name_of(CoverClass sky) {
 }
 
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun) {
-  const PixelFeatures sky = pixel_features(picture, camera);
+  std::shared_ptr<const PixelDirections> kept;
+  return cloud_cover(picture, camera, sun, kept);
+}
+
+CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun,
+                       std::shared_ptr<const PixelDirections>& kept) {
+  if (!kept || !kept->fits(picture)) kept = std::make_shared<const PixelDirections>(pixel_directions(picture, camera));
+  const PixelFeatures sky = pixel_features(picture, *kept);
   const Levels levels = levels_of(sky);
   if (const auto answer = without_colour(sky, levels)) return *answer;
 
@@ -142,7 +149,7 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
   // A clipped element is cloud as far as its surroundings are.
   cv::Mat1f is_cloud;
   cloud.convertTo(is_cloud, CV_32F, 1.0 / 255.0);
-  const cv::Mat1f around = mean_inside(is_cloud, known, scaled_side(sky, 41));
+  const cv::Mat1f around = InsideMeans(known, scaled_side(sky, 41)).of(is_cloud);
   around.copyTo(is_cloud, sky.clipped);
   CloudCover cover;
   cover.fraction = std::clamp(cv::mean(is_cloud, region)[0], 0.0, 1.0);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,6 +35,11 @@ struct CloudCover {
 // that shows almost no sky, or hardly anything but black or white.
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera,
                        const std::optional<SunDirection>& sun = std::nullopt);
+
+// The same for many pictures of one camera: `kept` is filled at the first, and anew where a picture has another size.
+struct PixelDirections;
+CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun,
+                       std::shared_ptr<const PixelDirections>& kept);
 
 // 1 where an element shows clear air; as large as the picture's elements.
 Image<std::uint8_t> clear_air_of(const CloudCover& cover);

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/fast_log.hpp"
 #include "base/units.hpp"
 
 namespace kasumi {
@@ -58,83 +58,143 @@ bool is_masked(const Camera& camera, const glm::dvec2& pixel) {
 // Per channel, the level that counts as full scale: 1, or the top of the picture where so many elements are within 1 %
 // of it that something clipped them before the picture was dimmed or balanced.
 cv::Vec3f full_scale(const PixelFeatures& sky) {
-  cv::Vec3f scale{1, 1, 1};
-  std::vector<cv::Mat> channels;
-  cv::split(sky.rgb, channels);
-  for (int c = 0; c < 3; ++c) {
-    double top = 0.0;
-    cv::minMaxLoc(channels[static_cast<std::size_t>(c)], nullptr, &top, nullptr, nullptr, sky.inside);
-    const cv::Mat1b at_top((channels[static_cast<std::size_t>(c)] >= 0.99 * top) & sky.inside);
-    if (top > 0.5 && cv::countNonZero(at_top) > kPlateau * sky.count) scale[c] = static_cast<float>(top);
-  }
+  cv::Vec3f top{0, 0, 0}, scale{1, 1, 1};
+  const auto each_inside = [&sky](const auto& use) {
+    for (int y = 0; y < sky.rgb.rows; ++y) {
+      const auto* inside = sky.inside[y];
+      const cv::Vec3f* rgb = sky.rgb[y];
+      for (int x = 0; x < sky.rgb.cols; ++x)
+        if (inside[x]) use(rgb[x]);
+    }
+  };
+  each_inside([&top](const cv::Vec3f& v) {
+    for (int c = 0; c < 3; ++c) top[c] = std::max(top[c], v[c]);
+  });
+  cv::Vec3i at_top{0, 0, 0};
+  const cv::Vec3d least{0.99 * static_cast<double>(top[0]), 0.99 * static_cast<double>(top[1]),
+                        0.99 * static_cast<double>(top[2])};
+  each_inside([&](const cv::Vec3f& v) {
+    for (int c = 0; c < 3; ++c) at_top[c] += static_cast<double>(v[c]) >= least[c];
+  });
+  for (int c = 0; c < 3; ++c)
+    if (top[c] > 0.5f && at_top[c] > kPlateau * sky.count) scale[c] = top[c];
   return scale;
+}
+
+// Abramowitz and Stegun 4.4.46, without branches: within 1e-6 of acos.
+float fast_acos(float cosine) {
+  const float x = std::abs(cosine);
+  float p = -0.0012624911f;
+  p = p * x + 0.0066700901f;
+  p = p * x - 0.0170881256f;
+  p = p * x + 0.0308918810f;
+  p = p * x - 0.0501743046f;
+  p = p * x + 0.0889789874f;
+  p = p * x - 0.2145988016f;
+  p = p * x + 1.5707963050f;
+  const float angle = std::sqrt(std::max(0.0f, 1.0f - x)) * p;
+  return cosine < 0.0f ? static_cast<float>(kPi) - angle : angle;
 }
 
 }  // namespace
 
-PixelFeatures pixel_features(const SkyPicture& picture, const Camera& camera) {
+bool PixelDirections::fits(const SkyPicture& picture) const {
+  return direction.cols == picture.encoded.width() && direction.rows == picture.encoded.height() &&
+         step == picture.step && first == picture.first;
+}
+
+PixelDirections pixel_directions(const SkyPicture& picture, const Camera& camera) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
-  PixelFeatures sky;
-  sky.rgb.create(height, width);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const glm::vec3& v = picture.encoded.at(x, y);
-      sky.rgb(y, x) = {v.r, v.g, v.b};
-    }
-  cv::Mat3f smooth;
-  cv::blur(sky.rgb, smooth, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
+  PixelDirections sky;
+  sky.step = picture.step;
+  sky.first = picture.first;
   sky.direction = directions_of(picture, camera);
   sky.inside = cv::Mat1b::zeros(height, width);
-  sky.clipped = cv::Mat1b::zeros(height, width);
-  sky.partly = cv::Mat1b::zeros(height, width);
   sky.zenith_deg = cv::Mat1f(height, width, 90.0f);
-  sky.light.create(height, width);
-  sky.blueness.create(height, width);
-  sky.greenness.create(height, width);
   const float least = static_cast<float>(std::sin(from_degrees(kLeastElevation).value));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const cv::Vec3f &v = sky.rgb(y, x), &s = smooth(y, x), &d = sky.direction(y, x);
-      sky.light(y, x) = (v[0] + v[1] + v[2]) / 3;
-      const float ratio = (s[0] + 0.01f) / (s[2] + 0.01f);
-      sky.blueness(y, x) = ratio < 1 ? 1 - ratio : std::max(-std::log(ratio), -0.6f);
-      sky.greenness(y, x) = (2 * s[1] - s[0] - s[2]) / (s[0] + s[1] + s[2] + 0.06f);
+      const cv::Vec3f& d = sky.direction(y, x);
       if (d[2] > 0) sky.zenith_deg(y, x) = std::acos(std::min(d[2], 1.0f)) * kDegrees;
       if (d[2] < least || (!camera.mask.empty() && is_masked(camera, picture.camera_pixel(x, y)))) continue;
       sky.inside(y, x) = 255;
     }
   sky.count = cv::countNonZero(sky.inside);
-  const cv::Vec3f scale = full_scale(sky);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      if (!sky.inside(y, x)) continue;
-      const cv::Vec3f& v = sky.rgb(y, x);
-      const cv::Vec3f share{v[0] / scale[0], v[1] / scale[1], v[2] / scale[2]};
-      sky.clipped(y, x) = std::min({share[0], share[1], share[2]}) >= 0.97f ? 255 : 0;
-      sky.partly(y, x) = std::max({share[0], share[1], share[2]}) >= 0.985f ? 255 : 0;
-    }
   const cv::Rect box = cv::boundingRect(sky.inside);
   sky.radius = 0.5 * std::max(box.width, box.height);
   return sky;
 }
 
+PixelFeatures pixel_features(const SkyPicture& picture, const PixelDirections& directions) {
+  const int width = picture.encoded.width(), height = picture.encoded.height();
+  PixelFeatures sky;
+  // OpenCV only reads from it.
+  sky.rgb = cv::Mat3f(height, width,
+                      const_cast<cv::Vec3f*>(reinterpret_cast<const cv::Vec3f*>(picture.encoded.elements().data())));
+  cv::Mat3f smooth;
+  cv::blur(sky.rgb, smooth, {3, 3}, {-1, -1}, cv::BORDER_REPLICATE);
+  sky.direction = directions.direction;
+  sky.inside = directions.inside;
+  sky.zenith_deg = directions.zenith_deg;
+  sky.count = directions.count;
+  sky.radius = directions.radius;
+  sky.clipped = cv::Mat1b::zeros(height, width);
+  sky.partly = cv::Mat1b::zeros(height, width);
+  sky.light.create(height, width);
+  sky.blueness.create(height, width);
+  sky.greenness.create(height, width);
+  const cv::Vec3f scale = full_scale(sky);
+  for (int y = 0; y < height; ++y) {
+    const cv::Vec3f *rgb = sky.rgb[y], *means = smooth[y];
+    const auto* inside = sky.inside[y];
+    auto *clipped = sky.clipped[y], *partly = sky.partly[y];
+    float *light = sky.light[y], *blueness = sky.blueness[y], *greenness = sky.greenness[y];
+    for (int x = 0; x < width; ++x) {
+      const cv::Vec3f &v = rgb[x], &s = means[x];
+      light[x] = (v[0] + v[1] + v[2]) / 3;
+      const float ratio = (s[0] + 0.01f) / (s[2] + 0.01f);
+      blueness[x] = ratio < 1 ? 1 - ratio : std::max(-fast_log(ratio), -0.6f);
+      greenness[x] = (2 * s[1] - s[0] - s[2]) / (s[0] + s[1] + s[2] + 0.06f);
+    }
+    for (int x = 0; x < width; ++x) {
+      if (!inside[x]) continue;
+      const cv::Vec3f& v = rgb[x];
+      const cv::Vec3f share{v[0] / scale[0], v[1] / scale[1], v[2] / scale[2]};
+      clipped[x] = std::min({share[0], share[1], share[2]}) >= 0.97f ? 255 : 0;
+      partly[x] = std::max({share[0], share[1], share[2]}) >= 0.985f ? 255 : 0;
+    }
+  }
+  return sky;
+}
+
 cv::Mat1f sun_distance(const PixelFeatures& sky, const SunDirection& sun) {
-  const cv::Vec3f towards{static_cast<float>(sun.x), static_cast<float>(sun.y), static_cast<float>(sun.z)};
-  cv::Mat1f degrees(sky.direction.size(), 180.0f);
-  for (int y = 0; y < degrees.rows; ++y)
-    for (int x = 0; x < degrees.cols; ++x)
-      if (sky.inside(y, x))
-        degrees(y, x) = std::acos(std::clamp(sky.direction(y, x).dot(towards), -1.0f, 1.0f)) * kDegrees;
+  const auto a = static_cast<float>(sun.x), b = static_cast<float>(sun.y), c = static_cast<float>(sun.z);
+  cv::Mat1f degrees(sky.direction.size());
+  for (int y = 0; y < degrees.rows; ++y) {
+    const cv::Vec3f* direction = sky.direction[y];
+    const auto* inside = sky.inside[y];
+    float* here = degrees[y];
+    for (int x = 0; x < degrees.cols; ++x) {
+      const cv::Vec3f& d = direction[x];
+      const float cosine = std::min(std::max(d[0] * a + d[1] * b + d[2] * c, -1.0f), 1.0f);
+      here[x] = inside[x] ? fast_acos(cosine) * kDegrees : 180.0f;
+    }
+  }
   return degrees;
 }
 
-cv::Mat1f mean_inside(const cv::Mat1f& values, const cv::Mat1b& counts, int side) {
-  cv::Mat1f weight, kept, sum, total;
-  counts.convertTo(weight, CV_32F, 1.0 / 255.0);
-  kept = values.mul(weight);
-  cv::boxFilter(kept, sum, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_CONSTANT);
-  cv::boxFilter(weight, total, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_CONSTANT);
-  return cv::Mat1f(sum / cv::max(total, 1e-4));
+InsideMeans::InsideMeans(const cv::Mat1b& counts, int side) : side_(side) {
+  counts.convertTo(weight_, CV_32F, 1.0 / 255.0);
+  cv::boxFilter(weight_, total_, CV_32F, {side, side}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  cv::max(total_, 1e-4, total_);
+}
+
+cv::Mat1f InsideMeans::of(const cv::Mat1f& values) const {
+  cv::Mat1f mean;
+  cv::multiply(values, weight_, mean);
+  cv::boxFilter(mean, mean, CV_32F, {side_, side_}, {-1, -1}, true, cv::BORDER_CONSTANT);
+  cv::divide(mean, total_, mean);
+  return mean;
 }
 
 int scaled_side(const PixelFeatures& sky, double elements) {

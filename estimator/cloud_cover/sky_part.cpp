@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "base/nth_smallest.hpp"
 #include "base/statistics.hpp"
 
 namespace kasumi {
@@ -108,7 +109,7 @@ cv::Mat1b not_sky(const PixelFeatures& sky) {
   for (int y = 0; y < open.rows; ++y)
     for (int x = 0; x < open.cols; ++x)
       if (open(y, x)) lights.push_back(sky.light(y, x));
-  const float open_light = quantile_in_place(lights, 0.5);
+  const float open_light = counted_quantile(lights, 0.5);
 
   cv::Mat1b rest(sky.inside & ~open);
   cv::morphologyEx(rest, rest, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
@@ -123,8 +124,8 @@ cv::Mat1b not_sky(const PixelFeatures& sky) {
     if (is_before_sky(sky, area, open, around, open_light, 2 * side + 7)) marked |= area;
   }
 
-  const cv::Mat1f light = mean_inside(sky.light, sky.inside, 5), green = mean_inside(sky.greenness, sky.inside, 5),
-                  blue = mean_inside(sky.blueness, sky.inside, 5);
+  const InsideMeans means(sky.inside, 5);
+  const cv::Mat1f light = means.of(sky.light), green = means.of(sky.greenness), blue = means.of(sky.blueness);
   const float somewhat = (open_light + 0.03f) * std::exp(-0.25f) - 0.03f;
   const float much = (open_light + 0.03f) * std::exp(-1.3f) - 0.03f;
   for (int y = 0; y < marked.rows; ++y)

@@ -18,11 +18,12 @@ constexpr float kLow = 78.0f;    // degrees from the zenith: whiteness of the ho
 
 cv::Mat1b smooth_parts(const PixelFeatures& sky, const cv::Mat1b& region) {
   const int wide = scaled_side(sky, 13), patch = scaled_side(sky, 9);
-  const cv::Mat1f fine = mean_inside(sky.light, region, 3);
-  const cv::Mat1f light = mean_inside(sky.light, region, wide), blue = mean_inside(sky.blueness, region, wide);
+  const InsideMeans over_wide(region, wide), over_patch(region, patch);
+  const cv::Mat1f fine = InsideMeans(region, 3).of(sky.light);
+  const cv::Mat1f light = over_wide.of(sky.light), blue = over_wide.of(sky.blueness);
   const cv::Mat1f light_off(cv::abs(fine - light)), blue_off(cv::abs(sky.blueness - blue));
-  const cv::Mat1f rough_light(mean_inside(light_off, region, patch) / (light + 0.02));
-  const cv::Mat1f rough_blue = mean_inside(blue_off, region, patch);
+  const cv::Mat1f rough_light(over_patch.of(light_off) / (light + 0.02));
+  const cv::Mat1f rough_blue = over_patch.of(blue_off);
   return cv::Mat1b((rough_light < kSmoothLight) & (rough_blue < kSmoothBlue) & region);
 }
 

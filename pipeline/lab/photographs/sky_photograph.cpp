@@ -249,7 +249,10 @@ Result<PhotographReport> PhotographEstimator::estimate_of(const std::filesystem:
     const bool same_camera = observer_ && same(observed_circle_, *circle) &&
                              observer_->camera().width == picture.width() &&
                              observer_->camera().height == picture.height();
-    if (!same_camera) observer_.emplace(ideal_camera(picture, *circle, turn));
+    if (!same_camera) {
+      observer_.emplace(ideal_camera(picture, *circle, turn));
+      directions_.reset();
+    }
     observed_circle_ = circle;
   }
 
@@ -267,7 +270,7 @@ Result<PhotographReport> PhotographEstimator::estimate_of(const std::filesystem:
         (report.sun.orientation_told.empty() ? "" : "; " + report.sun.orientation_told);
   }
   report.cover = cloud_cover(*picture, observer_->camera(),
-                             report.sun.direction ? std::optional(report.sun.in_camera) : std::nullopt);
+                             report.sun.direction ? std::optional(report.sun.in_camera) : std::nullopt, directions_);
   if (!report.sun.direction) {
     estimate.reason = "no sun is seen in the picture: give its position, or time and place";
     return report;

@@ -106,6 +106,7 @@ class PhotographEstimator {
   PhotographSetup options_;
   std::optional<ImageCircle> observed_circle_;
   std::optional<SkyObserver> observer_;
+  std::shared_ptr<const PixelDirections> directions_;  // of the observer's camera
 };
 
 }  // namespace kasumi
