@@ -100,8 +100,10 @@ glm::dvec3 PreethamSky::xyz(const Direction& view) const {
 }
 
 glm::dvec3 PreethamSky::relative_xyz(const Direction& view) const {
-  const glm::dvec3 absolute = luminance_and_chromaticity(view);
-  return xyz_of({luminance_ratio(view), absolute.y, absolute.z});
+  const Radians gamma = angle_between(view, sun_);
+  const glm::dvec3 of_view{perez(luminance_, view.z, gamma), perez(x_, view.z, gamma), perez(y_, view.z, gamma)};
+  const glm::dvec3 absolute = zenith_ * of_view / at_zenith_;
+  return xyz_of({of_view.x / at_zenith_.x, absolute.y, absolute.z});
 }
 
 glm::dvec3 xyz_of(const glm::dvec3& luminance_and_chromaticity) {

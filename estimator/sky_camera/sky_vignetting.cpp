@@ -237,7 +237,7 @@ Moment look_at(SkyObserver& observer, Bare& bare, const SunMoment& seen, double 
   moment.turbidity = observation.estimate.turbidity.value;
   const SampleLimits limits;
   if (!bare.geometry || !bare.geometry->fits(seen.picture)) bare.geometry = sky_geometry(bare.camera, seen.picture);
-  auto light = sky_light(seen.picture, *bare.geometry, bare.camera, seen.sun, limits);
+  auto light = sky_light(seen.picture, *bare.geometry, seen.sun, limits);
   for (std::size_t i = 0; i < light.use.elements().size(); ++i)
     if (observation.use.elements()[i] != PixelUse::clear) light.use.elements()[i] = PixelUse::cloud;
   const auto elements = spread(light.use, options.samples);

@@ -224,7 +224,7 @@ std::optional<Refusal> observe_by_every_model(TurbidityObservation& observation,
   }
   SampleLimits nearer = options.limits;
   nearer.least_sun_distance = std::min(nearer.least_sun_distance, kNearestToSun);
-  VerdictEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, camera, sun, nearer), statistics,
+  VerdictEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, sun, nearer), statistics,
                                              picture, geometry, camera, options);
   evidence.look = look;
   double& clear_fraction = observation.estimate.clear_fraction;

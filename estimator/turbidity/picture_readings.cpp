@@ -22,19 +22,16 @@ constexpr Radians kGlareEnds = from_degrees(10.0);
 // Distance from the optical axis in the picture, 1 where the lens ends.
 class OffAxis {
  public:
-  OffAxis(const Camera& camera, const SkyPicture& picture, const ElementGeometry& geometry) : picture_(picture) {
-    centre_ = camera.lens->project({0.0, 0.0, 1.0}).value_or(0.5 * glm::dvec2{camera.width - 1, camera.height - 1});
-    for (int y = 0; y < geometry.direction.height(); ++y)
-      for (int x = 0; x < geometry.direction.width(); ++x)
-        if (geometry.direction.at(x, y) != glm::vec3{0.0f})
-          radius_px_ = std::max(radius_px_, glm::distance(picture.camera_pixel(x, y), centre_));
-  }
+  OffAxis(const Camera& camera, const SkyPicture& picture, const ElementGeometry& geometry)
+      : picture_(picture),
+        centre_(camera.lens->project({0.0, 0.0, 1.0}).value_or(0.5 * glm::dvec2{camera.width - 1, camera.height - 1})),
+        radius_px_(geometry.rim_px) {}
   double at(const glm::ivec2& e) const { return glm::distance(picture_.camera_pixel(e.x, e.y), centre_) / radius_px_; }
 
  private:
   const SkyPicture& picture_;
-  glm::dvec2 centre_{};
-  double radius_px_ = 1.0;
+  glm::dvec2 centre_;
+  double radius_px_;
 };
 
 }  // namespace

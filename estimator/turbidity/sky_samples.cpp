@@ -1,38 +1,52 @@
 #include "estimator/turbidity/sky_samples.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
+
+#include "base/fast_log.hpp"
 
 namespace kasumi {
 
 namespace {
 
 // Encoded level -> linear light without evaluating a power per pixel.
+constexpr int kLevelSteps = 255 * 16;  // 8-bit levels fall on its nodes exactly
+
+std::vector<glm::vec3> light_of_levels(const Response& response) {
+  std::vector<glm::vec3> light;
+  light.reserve(kLevelSteps + 1);
+  for (int i = 0; i <= kLevelSteps; ++i)
+    light.emplace_back(response.to_light(glm::dvec3{static_cast<double>(i) / kLevelSteps}));
+  return light;
+}
+
 class LightTable {
  public:
-  explicit LightTable(const Response& response) {
-    for (int i = 0; i <= kSteps; ++i) {
-      const glm::dvec3 light = response.to_light(glm::dvec3{static_cast<double>(i) / kSteps});
-      table_[static_cast<std::size_t>(i)] = glm::vec3(light);
-    }
-  }
+  explicit LightTable(const std::vector<glm::vec3>& light_of_level) : table_(light_of_level.data()) {}
   glm::vec3 at(const glm::vec3& encoded) const {
     return {channel(encoded, 0), channel(encoded, 1), channel(encoded, 2)};
   }
 
  private:
-  static constexpr int kSteps = 255 * 16;  // 8-bit levels fall on its nodes exactly
   float channel(const glm::vec3& encoded, int c) const {
-    const float position = std::clamp(encoded[c], 0.0f, 1.0f) * static_cast<float>(kSteps);
-    const int i = std::min(static_cast<int>(position), kSteps - 1);
+    const float position = std::clamp(encoded[c], 0.0f, 1.0f) * static_cast<float>(kLevelSteps);
+    const int i = std::min(static_cast<int>(position), kLevelSteps - 1);
     const float rest = position - static_cast<float>(i);
-    return table_[static_cast<std::size_t>(i)][c] * (1.0f - rest) + table_[static_cast<std::size_t>(i) + 1][c] * rest;
+    return table_[i][c] * (1.0f - rest) + table_[i + 1][c] * rest;
   }
-  std::array<glm::vec3, kSteps + 1> table_{};
+  const glm::vec3* table_;
 };
+
+// In which of the sky's patches a direction lies.
+std::uint8_t patch_of(const glm::vec3& direction) {
+  constexpr int kRings = ElementGeometry::kRings, kSectors = ElementGeometry::kSectors;
+  const double azimuth = std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.y)) + kPi;
+  const int sector = std::min(kSectors - 1, static_cast<int>(azimuth / (2.0 * kPi) * kSectors));
+  const int ring = std::min(kRings - 1, static_cast<int>(std::acos(direction.z) / 1.4f * kRings));
+  return static_cast<std::uint8_t>(ring * kSectors + sector);
+}
 
 // Solid angle of an element from the directions of its neighbours [sr].
 float solid_angle_at(const Image<glm::vec3>& direction, int x, int y) {
@@ -70,9 +84,14 @@ ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
                            Image<glm::vec3>(width, height),
                            Image<float>(width, height),
                            Image<std::uint8_t>(width, height),
+                           Image<std::uint8_t>(width, height),
+                           light_of_levels(camera.response),
+                           1.0,
                            camera.light_to_xyz(),
                            picture.step,
                            picture.first};
+  const glm::dvec2 axis =
+      camera.lens->project({0.0, 0.0, 1.0}).value_or(0.5 * glm::dvec2{camera.width - 1, camera.height - 1});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const glm::dvec2 pixel = picture.camera_pixel(x, y);
@@ -81,6 +100,8 @@ ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
       geometry.direction.at(x, y) = glm::vec3(*direction);
       geometry.gain.at(x, y) = glm::vec3(camera.light_at(pixel, glm::dvec3{1.0}));
       geometry.open.at(x, y) = direction->z > 0.0 && open_in_mask(camera, pixel) ? 1 : 0;
+      if (geometry.open.at(x, y) != 0) geometry.patch.at(x, y) = patch_of(geometry.direction.at(x, y));
+      geometry.rim_px = std::max(geometry.rim_px, glm::distance(pixel, axis));
     }
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
@@ -88,10 +109,10 @@ ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
   return geometry;
 }
 
-ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
-                       const SunDirection& sun, const SampleLimits& limits) {
+ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
+                       const SampleLimits& limits) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
-  const LightTable table(camera.response);
+  const LightTable table(geometry.light_of_level);
   const glm::dmat3& to_xyz = geometry.light_to_xyz;
   const glm::vec3 luminance{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
   const glm::vec3 towards_sun(sun);
@@ -102,13 +123,15 @@ ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometr
 
   ElementLight sky{Image<PixelUse>(width, height, PixelUse::outside), Image<glm::vec3>(width, height),
                    Image<float>(width, height)};
-  for (int y = 0; y < height; ++y)
+  for (int y = 0; y < height; ++y) {
+    const glm::vec3* directions = geometry.direction.row(y);
+    const std::uint8_t* open = geometry.open.row(y);
+    float* log_luminance = sky.log_luminance.row(y);
     for (int x = 0; x < width; ++x) {
-      const glm::vec3& direction = geometry.direction.at(x, y);
-      if (geometry.open.at(x, y) == 0 || direction.z < lowest) continue;
+      if (open[x] == 0 || directions[x].z < lowest) continue;
       const glm::vec3& encoded = picture.encoded.at(x, y);
       PixelUse& use = sky.use.at(x, y);
-      if (glm::dot(direction, towards_sun) > near_sun) {
+      if (glm::dot(directions[x], towards_sun) > near_sun) {
         use = PixelUse::near_sun;
       } else if (std::max({encoded.r, encoded.g, encoded.b}) >= saturated) {
         use = PixelUse::saturated;
@@ -120,9 +143,11 @@ ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometr
         use = y_light > 0.0f ? PixelUse::clear : PixelUse::dark;
         if (use != PixelUse::clear) continue;
         sky.light.at(x, y) = light;
-        sky.log_luminance.at(x, y) = std::log(y_light);
+        log_luminance[x] = y_light;
       }
     }
+    for (int x = 0; x < width; ++x) log_luminance[x] = log_luminance[x] > 0.0f ? fast_log(log_luminance[x]) : 0.0f;
+  }
   return sky;
 }
 

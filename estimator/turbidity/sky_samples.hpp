@@ -34,14 +34,18 @@ struct LuminanceSample {
 
 // What stays the same from picture to picture: one element per element of a SkyPicture.
 struct ElementGeometry {
-  Image<glm::vec3> direction;  // world frame; zero where the lens does not reach
-  Image<glm::vec3> gain;       // light of a full-scale pixel: vignetting and white balance undone
-  Image<float> solid_angle;    // [sr] of the element
-  Image<std::uint8_t> open;    // 1: above the horizon and not under the obstruction mask
+  Image<glm::vec3> direction;             // world frame; zero where the lens does not reach
+  Image<glm::vec3> gain;                  // light of a full-scale pixel: vignetting and white balance undone
+  Image<float> solid_angle;               // [sr] of the element
+  Image<std::uint8_t> open;               // 1: above the horizon and not under the obstruction mask
+  Image<std::uint8_t> patch;              // of the sky, kRings by kSectors, in which an open element lies
+  std::vector<glm::vec3> light_of_level;  // linear light of evenly spaced encoded levels, 0 .. 1
+  double rim_px = 1.0;                    // the farthest element that the lens reaches, from its axis
   glm::dmat3 light_to_xyz{1.0};
   double step = 1.0;
   glm::dvec2 first{};
   bool fits(const SkyPicture& picture) const;
+  static constexpr int kRings = 3, kSectors = 8;  // enough to see a gradient, each with enough elements for a median
 };
 ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture);
 
@@ -54,8 +58,8 @@ struct ElementLight {
   Image<glm::vec3> light;      // linear camera channels, vignetting and white balance removed; where use is clear
   Image<float> log_luminance;  // where use is clear
 };
-ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const Camera& camera,
-                       const SunDirection& sun, const SampleLimits& limits);
+ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
+                       const SampleLimits& limits);
 
 // `count` elements whose use is clear, drawn uniformly in solid angle, without repetition; all of them if there are
 // fewer.

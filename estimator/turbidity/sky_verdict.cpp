@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#include "base/nth_smallest.hpp"
 #include "base/statistics.hpp"
 #include "estimator/turbidity/perez_log.hpp"
 
@@ -72,41 +73,34 @@ std::optional<Refusal> refuse_by_sun(const SunDirection& sun, const EstimatePara
 }
 
 ExposureStatistics statistics_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& sky) {
-  // 24 patches: enough to see a gradient, each with enough elements for a median.
-  constexpr int kRings = 3, kSectors = 8;
   ExposureStatistics statistics;
-  std::array<std::vector<float>, kRings * kSectors> patches;
+  std::array<std::vector<float>, ElementGeometry::kRings * ElementGeometry::kSectors> patches;
   std::vector<float> levels;
-  for (int y = 0; y < sky.use.height(); ++y)
-    for (int x = 0; x < sky.use.width(); ++x) {
-      const glm::vec3& direction = geometry.direction.at(x, y);
-      if (geometry.open.at(x, y) == 0) continue;
-      const glm::vec3& encoded = picture.encoded.at(x, y);
-      levels.push_back(std::max({encoded.r, encoded.g, encoded.b}));
-      const PixelUse use = sky.use.at(x, y);
-      if (use == PixelUse::near_sun)
-        statistics.brightest = std::max(statistics.brightest, static_cast<double>(levels.back()));
-      if (use == PixelUse::outside || use == PixelUse::near_sun) continue;
-      const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
-      statistics.solid_angle += angle;
-      if (use == PixelUse::saturated) statistics.saturated += angle;
-      if (use == PixelUse::dark) statistics.dark += angle;
-      if (use == PixelUse::saturated || use == PixelUse::dark) continue;
-      const double azimuth = std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.y)) + kPi;
-      const int sector = std::min(kSectors - 1, static_cast<int>(azimuth / (2.0 * kPi) * kSectors));
-      const int ring = std::min(kRings - 1, static_cast<int>(std::acos(direction.z) / 1.4f * kRings));
-      patches[static_cast<std::size_t>(ring) * kSectors + static_cast<std::size_t>(sector)].push_back(
-          sky.log_luminance.at(x, y));
-    }
+  levels.reserve(sky.use.elements().size());
+  for (std::size_t i = 0; i < sky.use.elements().size(); ++i) {
+    if (geometry.open.elements()[i] == 0) continue;
+    const glm::vec3& encoded = picture.encoded.elements()[i];
+    levels.push_back(std::max({encoded.r, encoded.g, encoded.b}));
+    const PixelUse use = sky.use.elements()[i];
+    if (use == PixelUse::near_sun)
+      statistics.brightest = std::max(statistics.brightest, static_cast<double>(levels.back()));
+    if (use == PixelUse::outside || use == PixelUse::near_sun) continue;
+    const auto angle = static_cast<double>(geometry.solid_angle.elements()[i]);
+    statistics.solid_angle += angle;
+    if (use == PixelUse::saturated) statistics.saturated += angle;
+    if (use == PixelUse::dark) statistics.dark += angle;
+    if (use == PixelUse::saturated || use == PixelUse::dark) continue;
+    patches[geometry.patch.elements()[i]].push_back(sky.log_luminance.elements()[i]);
+  }
   if (statistics.solid_angle > 0.0) {
     statistics.saturated /= statistics.solid_angle;
     statistics.dark /= statistics.solid_angle;
   }
-  statistics.brightest = std::max(statistics.brightest, static_cast<double>(quantile_in_place(levels, 0.9995)));
+  statistics.brightest = std::max(statistics.brightest, static_cast<double>(counted_quantile(levels, 0.9995)));
   float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
-  for (std::vector<float>& patch : patches) {
+  for (const std::vector<float>& patch : patches) {
     if (patch.size() < 20) continue;
-    const float level = median_in_place(patch);
+    const float level = counted_median(patch);
     lowest = std::min(lowest, level);
     highest = std::max(highest, level);
   }

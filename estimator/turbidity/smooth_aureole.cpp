@@ -137,7 +137,7 @@ SmoothAureole smooth_aureole(const SkyPicture& picture, const ElementGeometry& g
   SmoothAureole own{use, 0.0};
   SampleLimits limits;
   limits.least_sun_distance = kGlare;
-  const ElementLight light = sky_light(picture, geometry, camera, sun, limits);
+  const ElementLight light = sky_light(picture, geometry, sun, limits);
   const ElementLooks looks = looks_of(picture, camera, light);
   constexpr int kFew = 800;  // elements: 30 for each of the form's 26 terms
   if (cv::sum(looks.known)[0] < kFew) return own;

@@ -28,7 +28,7 @@ TurbidityObservation SkyObserver::observe(const SkyPicture& picture, const SunDi
   if (const auto refusal = refuse_by_sun(sun, options)) return refuse(*refusal);
 
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
-  ElementLight sky = sky_light(picture, *geometry_, camera_, sun, options.limits);
+  ElementLight sky = sky_light(picture, *geometry_, sun, options.limits);
   const ExposureStatistics statistics = statistics_of(picture, *geometry_, sky);
   if (const auto refusal = refuse_by_light(statistics, sun)) {
     observation.use = std::move(sky.use);

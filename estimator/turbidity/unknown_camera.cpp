@@ -71,7 +71,7 @@ TurbidityObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& pi
   if (!geometry_ || !geometry_->fits(picture)) geometry_ = sky_geometry(camera_, picture);
   SampleLimits limits = options.limits;
   limits.least_sun_distance = std::max(limits.least_sun_distance, kNearestToBloom);
-  ElementLight sky = sky_light(picture, *geometry_, camera_, sun, limits);
+  ElementLight sky = sky_light(picture, *geometry_, sun, limits);
   const auto by_light = refuse_by_light(statistics_of(picture, *geometry_, sky), sun);
   keep_only(sky, clear_air);
   estimate.clear_fraction = share_of_sky(sky);

@@ -24,7 +24,7 @@ struct Marked {
         rendered(test::render(description, camera)),
         picture(*sky_picture(rendered.encoded, 1.0 / 255.0, camera)),
         geometry(sky_geometry(camera, picture)),
-        light(sky_light(picture, geometry, camera, rendered.sun, {})),
+        light(sky_light(picture, geometry, rendered.sun, {})),
         by_model(light),
         by_form(light) {
     mask_clouds(by_model, geometry, rendered.sun);
@@ -108,7 +108,7 @@ TEST(ClearAir, ElementsAloneAmongSaturatedOnesAreNoClearAir) {
     for (int x = 140; x < 180; ++x) rendered.encoded.at(x, y) = glm::vec3{(x + y) % 5 == 0 ? 0.95f : 1.0f};
   const SkyPicture picture = *sky_picture(rendered.encoded, 1.0 / 255.0, camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  ElementLight light = sky_light(picture, geometry, camera, rendered.sun, {});
+  ElementLight light = sky_light(picture, geometry, rendered.sun, {});
   const Image<PixelUse> begin = light.use;
   mask_all_but_clear_air(light, looks_of(picture, camera, light), geometry, begin, rendered.sun);
   for (int y = 62; y < 98; ++y)

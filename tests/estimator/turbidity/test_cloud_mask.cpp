@@ -18,7 +18,7 @@ Score mask(const test::SyntheticSky& description) {
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  ElementLight sky = sky_light(picture, geometry, rendered.sun, {});
   const ElementLight before = sky;
   const CloudMaskResult result = mask_clouds(sky, geometry, rendered.sun);
   double cloudy = 0.0, found = 0.0, clear = 0.0, kept = 0.0;
@@ -78,7 +78,7 @@ TEST(CloudMask, DoesNotDependOnTheWhiteBalance) {
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  ElementLight sky = sky_light(picture, geometry, rendered.sun, {});
   EXPECT_GT(mask_clouds(sky, geometry, rendered.sun).clear_fraction, 0.95);
 }
 
@@ -88,7 +88,7 @@ TEST(CloudMask, MasksOutliersOfAFit) {
   const Image<Rgb8> image = rendered.to_8_bit();
   const SkyPicture picture = *sky_picture(view_of(image), camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  ElementLight sky = sky_light(picture, geometry, camera, rendered.sun, {});
+  ElementLight sky = sky_light(picture, geometry, rendered.sun, {});
   // The gain that makes the model fit, from one element; then a patch ten per cent brighter.
   const glm::dvec3 d(geometry.direction.at(150, 100));
   const double s = zenith_angle(rendered.sun).value, gamma = angle_between(d, rendered.sun).value;

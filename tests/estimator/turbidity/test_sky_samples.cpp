@@ -27,7 +27,7 @@ Scene scene_of(const test::SyntheticSky& description, Camera camera = test::upwa
   scene.sun = rendered.sun;
   scene.picture = *sky_picture(view_of(image), scene.camera);
   scene.geometry = sky_geometry(scene.camera, scene.picture);
-  scene.sky = sky_light(scene.picture, scene.geometry, scene.camera, scene.sun, scene.limits);
+  scene.sky = sky_light(scene.picture, scene.geometry, scene.sun, scene.limits);
   return scene;
 }
 
@@ -97,7 +97,7 @@ TEST(SkySamples, KnowTheirOwnUncertainty) {
     const Image<Rgb8> image = rendered.to_8_bit();
     scene.picture = *sky_picture(view_of(image), camera);
     scene.geometry = sky_geometry(camera, scene.picture);
-    scene.sky = sky_light(scene.picture, scene.geometry, camera, rendered.sun, scene.limits);
+    scene.sky = sky_light(scene.picture, scene.geometry, rendered.sun, scene.limits);
     std::mt19937_64 random(3);
     const auto elements = draw_elements(scene.sky, scene.geometry, 5000, random);
     const auto samples =
@@ -126,7 +126,7 @@ TEST(SkySamples, UndoVignetting) {
   camera.vignetting = {{149.5, 149.5}, 150.0, {-0.3, -0.1, 0.0}};
   const SkyPicture picture = *sky_picture(Image<glm::vec3>(300, 300, glm::vec3{0.5f}), 0.0, camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  const ElementLight sky = sky_light(picture, geometry, camera, direction_from({1.2}, {0.0}), {});
+  const ElementLight sky = sky_light(picture, geometry, direction_from({1.2}, {0.0}), {});
   // At r = 75 px of 150 the falloff is 1 - 0.3 / 4 - 0.1 / 16.
   EXPECT_NEAR(sky.light.at(150, 225).g / sky.light.at(150, 150).g, 1.0 / (1.0 - 0.075 - 0.00625), 2e-3);
 }
@@ -136,7 +136,7 @@ TEST(SkySamples, SkipWhatIsNotANumber) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const SkyPicture picture = *sky_picture(Image<glm::vec3>(100, 100, glm::vec3{0.5f, nan, 0.5f}), 0.0, camera);
   const ElementGeometry geometry = sky_geometry(camera, picture);
-  const ElementLight sky = sky_light(picture, geometry, camera, {0.0, 0.0, 1.0}, {});
+  const ElementLight sky = sky_light(picture, geometry, {0.0, 0.0, 1.0}, {});
   EXPECT_EQ(std::ranges::count(sky.use.elements(), PixelUse::clear), 0);
 }
 

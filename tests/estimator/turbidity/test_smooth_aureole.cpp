@@ -19,7 +19,7 @@ struct Seen {
         rendered(test::render(description, camera)),
         picture(*sky_picture(rendered.encoded, 1.0 / 255.0, camera)),
         geometry(sky_geometry(camera, picture)),
-        light(sky_light(picture, geometry, camera, rendered.sun, {})) {}
+        light(sky_light(picture, geometry, rendered.sun, {})) {}
   SmoothAureole own() const { return smooth_aureole(picture, geometry, camera, light.use, rendered.sun); }
   // Share of the solid angle that `which` selects and that is cloud in `use`.
   template <class Which>
