@@ -22,10 +22,14 @@ std::vector<LightCard> read_cards(const ConfigTable& root, int width, int height
         table.problem("region_px",
                       fmt::format("[x, y, width, height] within the scene camera's {} x {} pixels", width, height));
     }
-    if (table.if_number("reflectance")) {
+    if (table.if_text("reflectance") == "grey") {
+      card.grey = true;
+      card.reflectance = glm::dvec3{kGreyReflectance};
+      table.text("reflectance");
+    } else if (table.if_number("reflectance")) {
       card.reflectance = glm::dvec3{table.number("reflectance", kReflectances)};
     } else if (!table.has("reflectance")) {
-      table.problem("reflectance", "a number from 0.02 to 1, or three of them");
+      table.problem("reflectance", "a number from 0.02 to 1, three of them, or \"grey\"");
     } else if (const auto channels = table.numbers("reflectance", 3, kReflectances); channels.size() == 3) {
       card.reflectance = {channels[0], channels[1], channels[2]};
     }

@@ -82,6 +82,62 @@ TEST_F(CardsInView, AreNotBelievedInAShadowThatNobodyToldOf) {
   }
 }
 
+// Of a wall of which only its being grey is known: a reflectance of .25 and one of .65, about .4.
+struct GreyCardsInView : CardsInView {
+  LightFactors found_by_grey(const glm::dvec3& sun_factor, const glm::dvec3& around_factor, double exposure = 0.02,
+                             const glm::dvec3& lit_by_sun = glm::dvec3{1.0}) const {
+    const auto behind = horizon(exposure, {0.7, 1.0, 1.2});
+    std::vector<CardReading> readings;
+    for (auto card : {lit, shaded}) {
+      card.reflectance = glm::dvec3{card.name == "lit" ? 0.65 : 0.25};
+      const auto light = model_light(card, sun_factor * lit_by_sun, around_factor);
+      card.reflectance = glm::dvec3{kGreyReflectance};
+      card.grey = true;
+      const auto towards = towards_card(card, camera, behind);
+      readings.push_back(card_reading(card, light / daylight.airlight(towards), towards, daylight));
+    }
+    return factors_by_cards(readings);
+  }
+  // ln of red and blue over green.
+  static glm::dvec2 colour(const glm::dvec3& factor) {
+    return {std::log(factor.r / factor.g), std::log(factor.b / factor.g)};
+  }
+};
+
+TEST_F(GreyCardsInView, TellTheColoursOfSunAndSkyWhateverTheyReflect) {
+  const glm::dvec3 sun_factor{1.05, 1.0, 0.85}, around_factor{0.8, 1.0, 1.2};
+  const auto factors = found_by_grey(sun_factor, around_factor);
+  const auto sun_off = colour(factors.sun) - colour(sun_factor);
+  const auto around_off = colour(factors.around) - colour(around_factor);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_LT(std::abs(sun_off[c]), 0.8 * std::abs(colour(sun_factor)[c]) + 0.02)
+        << c << ": the model alone is off by all";
+    EXPECT_LT(std::abs(around_off[c]), 0.45 * std::abs(colour(around_factor)[c])) << c;
+  }
+  EXPECT_NEAR(factors.around.g, 1.0, 0.1) << "a dark wall is no little light";
+  EXPECT_NEAR(factors.sun.g, 1.0, 0.1);
+  const auto alone = found_by_grey(glm::dvec3{1.0}, glm::dvec3{1.0});
+  EXPECT_LT(glm::length(colour(alone.sun)) + glm::length(colour(alone.around)), 0.02) << "the model is right";
+}
+
+TEST_F(GreyCardsInView, ShowTheSkysLightWhereAShadowLiesOnThem) {
+  const glm::dvec3 around_factor{0.8, 1.0, 1.2};
+  const auto factors = found_by_grey(glm::dvec3{1.0}, around_factor, 0.02, glm::dvec3{0.0});
+  EXPECT_LT(glm::length(colour(factors.around) - colour(around_factor)), 0.2 * glm::length(colour(around_factor)));
+  EXPECT_LT(glm::length(colour(factors.sun)), 0.6 * glm::length(colour(around_factor))) << "of the sun they say little";
+}
+
+TEST(LightByCards, OfOneKnownCardIsTheMeanOfModelAndCard) {
+  const CardReading reading{{1.2, 1.0, 0.9}, {0.7, 0.7, 0.7}};
+  const auto factors = factors_by_cards(std::vector{reading});
+  // Variances .02 of the model, .01 in common, .07^2 of the card.
+  const double with_sun = 0.7 * 0.02 + 0.3 * 0.01, with_around = 0.7 * 0.01 + 0.3 * 0.02;
+  const double gain = 1.0 / (0.7 * with_sun + 0.3 * with_around + 0.0049);
+  EXPECT_NEAR(factors.sun.r, 1.0 + 0.2 * with_sun * gain, 1e-12);
+  EXPECT_NEAR(factors.around.b, 1.0 - 0.1 * with_around * gain, 1e-12);
+  EXPECT_EQ(factors.sun.g, 1.0);
+}
+
 TEST_F(CardsInView, SayNothingWhereTheyAreClippedOrThereIsNoHorizon) {
   Image<Rgb8> white(kWidth, kHeight);
   for (auto& pixel : white.elements()) pixel = Rgb8(255);

@@ -34,6 +34,11 @@ TEST(CardKeys, AreAWallOrALevelBoard) {
   EXPECT_EQ(level.cards[0].name, "card 1");
   EXPECT_EQ(level.cards[0].reflectance, glm::dvec3(0.18));
   EXPECT_NEAR(glm::distance(level.cards[0].normal, Direction(0, 0, 1)), 0.0, 1e-9);
+  EXPECT_FALSE(level.cards[0].grey);
+  const auto grey = cards_of("region_px = [10, 20, 30, 40]\nreflectance = \"grey\"\nfaces_deg = 15\n");
+  ASSERT_EQ(grey.problems, "");
+  EXPECT_TRUE(grey.cards[0].grey);
+  EXPECT_EQ(grey.cards[0].reflectance, glm::dvec3(kGreyReflectance));
   const auto none = ConfigTable::parse("", "kasumi.toml").value();
   EXPECT_TRUE(read_cards(none, 640, 360).empty());
 }
