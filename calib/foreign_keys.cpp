@@ -21,8 +21,8 @@ const std::map<std::string_view, std::vector<std::string_view>>& shared_tables()
         "aerosol"}},
       {"sky", {"camera"}},
       {"scene",
-       {"camera", "point_spread_px", "sharpening", "saturation", "shared_chroma", "jpeg_blocks", "noise", "depth_map",
-        "people_in_front", "depth_step_m", "depth_no_data", "depth_sky_beyond_m", "depth_channel",
+       {"camera", "point_spread_px", "sharpening", "saturation", "tone_exponent", "shared_chroma", "jpeg_blocks",
+        "noise", "depth_map", "people_in_front", "depth_step_m", "depth_no_data", "depth_sky_beyond_m", "depth_channel",
         "depth_inverse_scale", "depth_inverse_offset"}},
       {"landmarks", {"name", "latitude_deg", "longitude_deg", "altitude_m"}}};
   return kTables;

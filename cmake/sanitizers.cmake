@@ -25,7 +25,8 @@ set(KASUMI_SOLVERS
   calib/lens/board_pose.cpp calib/lens/foreign_lens.cpp calib/lens/lens_fit.cpp
   calib/mask/rim_fit.cpp calib/mask/sky_mask.cpp
   estimator/horizon/clear_horizon.cpp estimator/horizon/lowest_sky.cpp
-  estimator/landmarks/extinction.cpp estimator/landmarks/joint_channel.cpp estimator/landmarks/path_aerosol.cpp
+  estimator/landmarks/contrast_tone.cpp estimator/landmarks/extinction.cpp estimator/landmarks/joint_channel.cpp
+  estimator/landmarks/path_aerosol.cpp
   estimator/passers/light_mix.cpp
   estimator/sky_camera/aureole_fit.cpp estimator/sky_camera/sky_vignetting.cpp)
 if(NOT KASUMI_SANITIZE)

@@ -110,6 +110,7 @@ LandmarkWatch::LandmarkWatch(const Camera& camera, double altitude_m, std::vecto
                              const ContrastSpread& spread, ScatteringModel model)
     : landmarks_(std::move(landmarks)),
       altitude_m_(altitude_m),
+      spread_(spread),
       model_(model),
       nodes_(attenuation_nodes(spectral_measure(camera))),
       typical_path_m_(middle_path_m(landmarks_, altitude_m)),
@@ -122,6 +123,7 @@ LandmarkWatch::LandmarkWatch(const Camera& camera, double altitude_m, std::vecto
     const double molecules = rayleigh_per_m(ScatteringModel::aerosol, colours_.wavelength_nm()[c], altitude_m);
     joint_.emplace_back(laws_of(landmarks_, altitude_m), belief_before(landmarks_, spread), molecules, usual_per_m,
                         spread);
+    usual_per_m_[c] = molecules + usual_per_m;
   }
 }
 
@@ -161,11 +163,19 @@ void LandmarkWatch::solve(const std::vector<KeptReadings>& pictures, int most_st
     }
     joint_[static_cast<std::size_t>(c)].solve(channel, most_steps);
   }
+  std::vector<ToneSample> green;
   std::vector<glm::dvec3> per_m;
   for (std::size_t t = 0; t < pictures.size(); ++t)
     per_m.emplace_back(joint_[0].per_m()[t], joint_[1].per_m()[t], joint_[2].per_m()[t]);
   chroma_ = contrast_chroma(per_m, colours_.wavelength_nm(), altitude_m_, typical_path_m_);
   colours_.set_chroma(chroma_.chroma);
+  for (std::size_t t = 0; t < all.size(); ++t) {
+    green.push_back({{}, per_m[t].g});
+    for (const auto& one : all[t])
+      green.back().readings.push_back({one.contrast.g, one.sigma.g, one.usable && !one.lit});
+  }
+  tone_ = contrast_tone(green, laws_of(landmarks_, altitude_m_), belief_before(landmarks_, spread_), usual_per_m_.g,
+                        spread_);
   believe(std::nullopt);
 }
 
@@ -269,7 +279,7 @@ std::vector<ChannelExtinctions> LandmarkWatch::estimate_all(const std::vector<st
 }
 
 ChannelExtinctions LandmarkWatch::with_turbidity(std::array<Extinction, 3> channels, PathAerosol aerosol) const {
-  ChannelExtinctions air{std::move(channels), {}, std::move(aerosol), chroma_};
+  ChannelExtinctions air{std::move(channels), {}, std::move(aerosol), chroma_, tone_};
   const auto& green = air.extinction();
   auto& found = air.turbidity;
   if (green.kind != ExtinctionKind::value) {

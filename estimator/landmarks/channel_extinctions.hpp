@@ -9,6 +9,7 @@
 
 #include "estimator/air/attenuation.hpp"
 #include "estimator/landmarks/contrast_chroma.hpp"
+#include "estimator/landmarks/contrast_tone.hpp"
 #include "estimator/landmarks/extinction.hpp"
 #include "estimator/landmarks/joint_channel.hpp"
 #include "estimator/landmarks/path_aerosol.hpp"
@@ -39,6 +40,7 @@ struct ChannelExtinctions {
   LandmarkTurbidity turbidity;
   PathAerosol aerosol{};    // by all channels at once
   ContrastChroma camera{};  // by all pictures so far
+  ContrastTone tone{};      // the same
   std::string doubt{};      // for people: near and far do not agree; sigma holds it
 };
 
@@ -94,6 +96,7 @@ class LandmarkWatch {
   const LandmarkColours& colours() const { return colours_; }
   // By all pictures that are kept.
   const ContrastChroma& chroma() const { return chroma_; }
+  const ContrastTone& tone() const { return tone_; }
 
  private:
   // Unusable where the sky is none, lit where their colours say so, as far as they are known.
@@ -105,13 +108,16 @@ class LandmarkWatch {
 
   std::vector<ContrastLandmark> landmarks_;
   double altitude_m_;
+  ContrastSpread spread_;
   ScatteringModel model_;
   AttenuationNodes nodes_;
   double typical_path_m_;
+  glm::dvec3 usual_per_m_{0.0};  // extinction of the median hour
   std::vector<LandmarkExtinction> channels_;
   std::vector<JointChannel> joint_;
   LandmarkColours colours_;
   ContrastChroma chroma_;
+  ContrastTone tone_;
   std::vector<KeptReadings> kept_;
 };
 

@@ -149,6 +149,10 @@ OrderedJson visibility_json(const VisibilityStatus& status) {
   json["saturation"] = camera.known() ? OrderedJson(std::round(1e3 * camera.chroma) / 1e3) : OrderedJson(nullptr);
   json["saturation_sigma"] =
       camera.known() ? OrderedJson(std::round(1e3 * camera.chroma * camera.log_sigma) / 1e3) : OrderedJson(nullptr);
+  const ContrastTone tone = status.air ? status.air->tone : ContrastTone{};
+  json["tone_exponent"] = tone.known() ? OrderedJson(std::round(1e3 * tone.exponent) / 1e3) : OrderedJson(nullptr);
+  json["tone_exponent_sigma"] =
+      tone.known() ? OrderedJson(std::round(1e3 * tone.exponent * tone.log_sigma) / 1e3) : OrderedJson(nullptr);
   json["reason"] = status.reason;
   json["agreement"] = name_of(status.sky ? status.sky->agreement : Agreement::unknown);
   json["sigmas_apart"] = status.sky ? OrderedJson(status.sky->sigmas) : OrderedJson(nullptr);

@@ -195,6 +195,24 @@ void check_live_air(const Json& status, Findings& findings) {
         "which is right? clean the sky camera's dome, look at the landmarks' boxes (kasumi replay --overlay)");
 }
 
+// Whether landmarks fade as they do under the scene camera's response.
+void check_tone(const Json& status, Findings& findings) {
+  constexpr double kContradicts_sigmas = 3.0, kVisible = 0.1;  // of the exponent: some three steps of 255
+  const auto visibility = part(status, "visibility");
+  const double exponent = number(visibility, "tone_exponent"), sigma = number(visibility, "tone_exponent_sigma");
+  if (!(exponent > 0.0) || !(sigma > 0.0)) return;
+  const auto found = fmt::format("landmarks fade as under a tone exponent of {:.2f} +- {:.2f}", exponent, sigma);
+  const double off = std::abs(exponent - 1.0);
+  auto& finding =
+      off > kContradicts_sigmas * sigma && off > kVisible
+          ? findings.warn("air.tone", found + ", which contradicts the scene camera's response",
+                          fmt::format("kasumi calibrate response; where that cannot be done, tone_exponent = {:.2f} in "
+                                      "[scene] (docs/cameras.md), times the one that stands there",
+                                      exponent))
+          : findings.good("air.tone", found);
+  finding.values = {{"tone_exponent", exponent}, {"sigma", sigma}};
+}
+
 // The model of the light is right to some 14 %: a larger deviation means that a card is not what it was taken for.
 void check_cards(const Json& status, Findings& findings) {
   constexpr double kLeast = 0.7, kMost = 1.4;
@@ -269,6 +287,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   }
   check_live_air(is, findings);
   check_cards(is, findings);
+  check_tone(is, findings);
   if (const auto check = part(is, "check"); check.is_object()) {
     const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
     const auto well = part(check, "well");

@@ -112,6 +112,9 @@ std::string visibility_json(const LandmarkWatch& watch, const VisibilityReading&
   json["saturation"] = air.camera.known() ? Json(rounded(air.camera.chroma, 3)) : Json(nullptr);
   json["saturation_sigma"] =
       air.camera.known() ? Json(rounded(air.camera.chroma * air.camera.log_sigma, 2)) : Json(nullptr);
+  json["tone_exponent"] = air.tone.known() ? Json(rounded(air.tone.exponent, 3)) : Json(nullptr);
+  json["tone_exponent_sigma"] =
+      air.tone.known() ? Json(rounded(air.tone.exponent * air.tone.log_sigma, 2)) : Json(nullptr);
   json["turbidity"] = turbidity.turbidity ? Json(rounded(turbidity.turbidity->value, 4)) : Json(nullptr);
   json["turbidity_sigma"] = turbidity.turbidity ? Json(rounded(turbidity.sigma, 3)) : Json(nullptr);
   json["turbidity_reason"] = turbidity.reason;

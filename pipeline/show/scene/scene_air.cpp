@@ -91,8 +91,8 @@ OpticalPath path_to(const Installation& installation) {
 std::optional<double> saturation_of(const Installation& installation) {
   if (installation.scene_quality.saturation) return installation.scene_quality.saturation;
   const Camera& scene = installation.scene;
-  const bool measured =
-      scene.colour_space != Camera::ColourSpace::srgb || scene.response.kind() != Response::Kind::srgb;
+  const bool curve_measured = scene.response.kind() != Response::Kind::srgb && !installation.scene_tone_exponent;
+  const bool measured = scene.colour_space != Camera::ColourSpace::srgb || curve_measured;
   return measured ? std::optional(1.0) : std::nullopt;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/utc_text.hpp"
 #include "calib/distances/distance_map.hpp"
+#include "estimator/sky_fit/tone_curve.hpp"
 #include "gles/scene.hpp"
 #include "pipeline/site/config/cards.hpp"
 #include "pipeline/site/config/given_air_keys.hpp"
@@ -43,6 +44,21 @@ ModelToFit Installation::model_to_fit() const {
   return fit;
 }
 
+namespace {
+
+std::optional<double> correct_tone(const ConfigTable& scene, Response& response) {
+  if (!scene.has("tone_exponent")) return std::nullopt;
+  const double exponent = scene.number("tone_exponent", {0.3, 3.0});
+  if (response.kind() != Response::Kind::srgb) {
+    scene.problem("tone_exponent", "none unless response is \"srgb\": it corrects a curve that is only supposed");
+    return std::nullopt;
+  }
+  response = corrected(response, exponent);
+  return exponent;
+}
+
+}  // namespace
+
 Installation read_installation(const ConfigTable& root) {
   Installation installation;
   installation.calibration = adopt_calibration(root);
@@ -51,6 +67,7 @@ Installation read_installation(const ConfigTable& root) {
   installation.sky = read_camera(root.table("sky"), "sky");
   const auto scene = root.table("scene");
   installation.scene = read_camera(scene, "scene");
+  installation.scene_tone_exponent = correct_tone(scene, installation.scene.response);
   installation.scene_quality = read_image_quality(scene);
   installation.scene_distances_m =
       read_distance_map(scene, installation.scene.width, installation.scene.height, &installation.depth_map);

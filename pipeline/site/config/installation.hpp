@@ -40,6 +40,8 @@ struct Installation {
   Camera sky;
   Camera scene;
   ImageQuality scene_quality;
+  // By which scene.response, sRGB's, was corrected: as landmarks tell it (contrast_tone). Empty: not at all.
+  std::optional<double> scene_tone_exponent{};
   Image<float> scene_distances_m;  // of the scene camera's size, along each pixel's line of sight, 0 where nothing is
                                    // known to stand; empty: nowhere
   std::string depth_map;           // what that map knows, for people; empty: there is none

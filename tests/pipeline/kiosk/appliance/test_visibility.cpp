@@ -204,10 +204,14 @@ TEST_F(VisibilityLoopTest, ReportsTheVisibilityNextToTheSkysAir) {
   EXPECT_EQ(json["landmarks"], kLandmarks);
   EXPECT_TRUE(json["saturation"].is_null()) << "one picture does not tell";
   VisibilityStatus later = latest;
+  EXPECT_TRUE(json["tone_exponent"].is_null());
   later.air->camera = {1.6, 0.1, 40};
+  later.air->tone = {1.2, 0.05, 40};
   latest = later;
   EXPECT_EQ(reported()["saturation"], 1.6);
   EXPECT_EQ(reported()["saturation_sigma"], 0.16);
+  EXPECT_EQ(reported()["tone_exponent"], 1.2);
+  EXPECT_EQ(reported()["tone_exponent_sigma"], 0.06);
 }
 
 TEST_F(VisibilityLoopTest, TellsTheSkysLoopWhatItReads) {

@@ -110,6 +110,21 @@ TEST(DoctorAppliance, SaysWhatTheCardsMakeOfTheLightAndWhenThatCannotBe) {
   EXPECT_FALSE(judged()) << "a damaged status is harmless";
 }
 
+TEST(DoctorAppliance, WarnsOfLandmarksThatContradictTheResponse) {
+  auto status = healthy_status();
+  const auto judged = [&] { return running(status, "air.tone"); };
+  EXPECT_FALSE(judged());
+  status["visibility"] = {{"tone_exponent", 1.15}, {"tone_exponent_sigma", 0.08}};
+  ASSERT_TRUE(judged());
+  EXPECT_EQ(judged()->grade, Grade::good) << "within 3 sigma";
+  status["visibility"] = {{"tone_exponent", 0.7}, {"tone_exponent_sigma", 0.05}};
+  EXPECT_EQ(judged()->grade, Grade::warning);
+  EXPECT_THAT(judged()->found, HasSubstr("0.70 +- 0.05, which contradicts"));
+  EXPECT_THAT(judged()->advice, HasSubstr("tone_exponent = 0.70"));
+  status["visibility"] = {{"tone_exponent", nullptr}, {"tone_exponent_sigma", "x"}};
+  EXPECT_FALSE(judged()) << "a damaged status is harmless";
+}
+
 TEST(DoctorAppliance, SaysWhoSeesTheAirAndWhenItIsSupposed) {
   auto status = healthy_status();
   const auto judged = [&](const char* check) { return running(status, check); };

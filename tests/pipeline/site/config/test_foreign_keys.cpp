@@ -38,7 +38,7 @@ std::filesystem::path written(const std::string& text) {
 }
 
 TEST(ForeignKeys, EveryPartialReaderAcceptsACompleteKioskConfiguration) {
-  const auto file = written(kiosk());
+  const auto file = written(kiosk("tone_exponent = 1.2\n"));
   const auto cameras = read_camera_file(file);
   EXPECT_TRUE(cameras) << cameras.error().message;
   const auto landmarks = read_landmark_file(file, 60, 40);

@@ -1,4 +1,6 @@
 // The air in [site]: values, "auto", and what is said of bad ones.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -69,6 +71,26 @@ TEST(SkyModelKey, OfAKioskIsNotThePapersAlone) {
   EXPECT_EQ(config.installation.surroundings.sky_model, DaylightModel::automatic);
   EXPECT_THAT(config.sky_model_note,
               HasSubstr("sky_model = \"preetham\": the papers' way is for photographs and replays"));
+}
+
+TEST(SceneToneKey, CorrectsASupposedResponseAndNoMeasuredOne) {
+  const auto scene = [](const std::string& keys) {
+    return ConfigTable::parse("[scene]\n" + keys, "kasumi.toml").value();
+  };
+  const auto corrected_one = read_installation(scene("response = \"srgb\"\ntone_exponent = 1.3\n"));
+  const auto plain = read_installation(scene("response = \"srgb\"\n"));
+  EXPECT_EQ(corrected_one.scene_tone_exponent, 1.3);
+  EXPECT_FALSE(plain.scene_tone_exponent);
+  for (const double encoded : {0.1, 0.4, 0.8}) {
+    const double as_read = plain.scene.response.to_light(glm::dvec3(encoded)).g;
+    EXPECT_NEAR(corrected_one.scene.response.to_light(glm::dvec3(encoded)).g, std::pow(as_read, 1.0 / 1.3), 2e-3);
+  }
+  for (const char* keys :
+       {"response = \"linear\"\ntone_exponent = 1.3\n", "response = \"srgb\"\ntone_exponent = 9\n"}) {
+    const auto table = scene(keys);
+    EXPECT_NE(read_installation(table).scene_tone_exponent, 1.3) << keys;
+    EXPECT_THAT(table.finish().error().message, HasSubstr("scene.tone_exponent = ")) << keys;
+  }
 }
 
 }  // namespace
