@@ -4,14 +4,11 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <glm/common.hpp>
 
-#include "base/files.hpp"
 #include "base/statistics.hpp"
 #include "calib/colour/camera_saturation.hpp"
 #include "estimator/air/scattering.hpp"
@@ -21,33 +18,13 @@
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/figures.hpp"
 #include "tests/paper/landmark_table.hpp"
+#include "tests/pipeline/lab/photographs/truth_table.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr const char* kPrinted = "`test_air_truth_towers`";
-
-// A table of comma-separated values: by its first column, then by the names in its heading.
-using Table = std::map<std::string, std::map<std::string, std::string>>;
-Table read_table(const std::filesystem::path& file) {
-  Table table;
-  std::istringstream lines(read_text_file(file).value());
-  const auto cells_of = [](const std::string& line) {
-    std::vector<std::string> cells;
-    std::istringstream from(line);
-    for (std::string cell; std::getline(from, cell, ',');) cells.push_back(cell);
-    return cells;
-  };
-  std::string line;
-  std::getline(lines, line);
-  const auto names = cells_of(line);
-  while (std::getline(lines, line)) {
-    const auto cells = cells_of(line);
-    for (std::size_t i = 0; i < cells.size(); ++i) table[cells[0]][names[i]] = cells[i];
-  }
-  return table;
-}
 
 struct Seen {
   std::string name;
@@ -59,7 +36,7 @@ struct SeenSite {
   Camera camera;
   std::optional<LandmarkWatch> watch;
   std::vector<Seen> pictures;
-  Table truth;
+  TruthTable truth;
 
   std::vector<std::vector<ContrastReading>> readings(std::size_t every = 1) const {
     std::vector<std::vector<ContrastReading>> all;
@@ -90,7 +67,7 @@ std::optional<SeenSite> site_of(const std::string& name) {
   const auto folder = shared_data_folder() / "real-air" / name;
   if (!std::filesystem::exists(folder)) return std::nullopt;
   SeenSite site;
-  site.truth = read_table(folder / "truth.csv");
+  site.truth = read_truth_table(folder / "truth.csv");
   for (const auto& [picture, row] : site.truth) {
     const auto photograph = read_photograph(folder / (picture + ".jpg"));
     if (!photograph) continue;
@@ -248,6 +225,32 @@ TEST(AirTruthTowers, DarkFacadesAreDrawnInTheCamerasColours) {
   figure_row("real-landmarks", {"the same, its saturation learnt", told[1], "each <= 5", kPrinted});
   EXPECT_LE(worst[1], 5.0);
   EXPECT_LE(worst[1], 0.6 * worst[0]);
+}
+
+// Nobody measured this camera's curve: halves of the days have to agree about it.
+TEST(AirTruthTowers, HalvesOfTheDaysTellTheCamerasToneAlike) {
+  if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
+  const auto& site = *milan();
+  std::array<std::vector<std::vector<ContrastReading>>, 3> parts;  // all; two halves
+  std::string day;
+  std::size_t half = 1;
+  for (const auto& picture : site.pictures) {
+    if (const auto today = picture.name.substr(0, 8); today != day) day = today, half = 3 - half;
+    parts[0].push_back(picture.readings);
+    parts[half].push_back(picture.readings);
+  }
+  std::array<ContrastTone, 3> told;
+  std::array<std::string, 3> text;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    told[k] = site.watch->estimate_all(parts[k]).back().tone;
+    ASSERT_TRUE(told[k].known());
+    text[k] = fmt::format("{:.2f} +- {:.2f}", told[k].exponent, told[k].exponent * told[k].log_sigma);
+  }
+  fmt::print("tone exponent {}; by halves of the days {}, {}\n", text[0], text[1], text[2]);
+  figure_row("real-landmarks", {"the camera's tone exponent; by every other day, by those between",
+                                fmt::format("{}; {}; {}", text[0], text[1], text[2]), "", kPrinted});
+  EXPECT_LE(std::abs(std::log(told[1].exponent / told[2].exponent)),
+            2.0 * std::hypot(told[1].log_sigma, told[2].log_sigma));
 }
 
 // "2020-02-01-08-45" -> of the month.
