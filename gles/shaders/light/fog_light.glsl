@@ -3,10 +3,13 @@
 #if defined(FOG_LIGHT)
 varying float v_fog_above;  // optical depth, straight up
 
-const float kBackwards = 0.11;   // of fog, two-stream: .75 (1 - g), g = .85 of its droplets
+// Of droplets that scatter with a mean cosine g = .85: two-stream, .75 (1 - g); and what the rays lose, 1 - g^2, since
+// the rest stays near to them (delta-Eddington).
+const float kBackwards = 0.11;
+const float kAside = 0.28;
 const float kLowestSun = 0.03;
 
-float sun_through_fog() { return exp(-v_fog_above / max(sun_direction.z, kLowestSun)); }
+float sun_through_fog() { return exp(-kAside * v_fog_above / max(sun_direction.z, kLowestSun)); }
 float light_through_fog() { return 1.0 / (1.0 + kBackwards * v_fog_above); }
 // Radiance from all sides.
 vec3 fog_glow() { return sun_light * (max(sun_direction.z, 0.0) * max(light_through_fog() - sun_through_fog(), 0.0)); }

@@ -92,16 +92,17 @@ double weighted_length(double range, double climb, double observer, double scale
   return range * sum / (3.0 * kIntervals);
 }
 
-// Light that has come down through the fog: Beer's law for the sun's rays, for all light together the two-stream
-// transmittance of a layer that absorbs nothing, 1 / (1 + 3/4 (1 - g) depth), g = .853 of fog's droplets; the
-// difference comes from all sides alike.
+// Light that has come down through the fog: Beer's law for the sun's rays, without the share g^2 of what droplets
+// scatter, which stays near to them (delta-Eddington); for all light together the two-stream transmittance of a layer
+// that absorbs nothing, 1 / (1 + 3/4 (1 - g) depth), g = .853 of fog's droplets; the difference comes from all sides
+// alike.
 std::pair<ObjectLight, ReferenceSky> in_fog(ObjectLight light, ReferenceSky sky, const Haze& haze, double climb) {
   if (haze.fog_per_m <= 0.0) return {light, sky};
   const double height = haze.observer_altitude_m + climb - haze.fog_base_altitude_m;
   const double depth =
       std::min(haze.fog_per_m * haze.fog_scale_height_m * std::exp(-height / haze.fog_scale_height_m), 60.0);
   const double sine = std::max(light.sun_direction.z, 0.0), whole = 1.0 / (1.0 + 0.75 * 0.147 * depth);
-  const double direct = std::exp(-depth / std::max(sine, 0.03));
+  const double direct = std::exp(-(1.0 - 0.853 * 0.853) * depth / std::max(sine, 0.03));
   for (glm::dvec3& coefficient : sky.radiance) coefficient *= whole;
   sky.radiance[0] += std::sqrt(4.0 * kPi) * light.sun_irradiance / kPi * sine * (whole - direct);
   light.sun_irradiance *= direct;
