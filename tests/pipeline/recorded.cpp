@@ -90,13 +90,13 @@ class RecipeText {
 std::string text_of(const fixtures::Recipe& recipe) {
   const auto& [name, description, seed, start, site, world, turbidity, turbidity_end, aerosol, cloud_cover, sky_kind,
                sky_frames, sky_period, times, sky_size, sky_format, scene_frames, scene_period, scene_width,
-               scene_height, scene_format, jpeg_quality, tone_curve, sharpness, quality, outlook, hill, fog, building,
-               model, leaves, passersby, landmarks, filmed_truth, truth_frames, noise, faults] = recipe;
+               scene_height, scene_format, jpeg_quality, tone_curve, sharpness, quality, outlook, hill, canopies, fog,
+               building, model, leaves, passersby, landmarks, filmed_truth, truth_frames, noise, faults] = recipe;
   RecipeText text;
   text.put(name, description, seed, start, site, world, turbidity, turbidity_end, aerosol, cloud_cover, sky_kind,
            sky_frames, sky_period, times, sky_size, sky_format, scene_frames, scene_period, scene_width, scene_height,
-           scene_format, jpeg_quality, tone_curve, sharpness, quality, outlook, hill, fog, building, model, leaves,
-           passersby, landmarks, filmed_truth, truth_frames, noise, faults);
+           scene_format, jpeg_quality, tone_curve, sharpness, quality, outlook, hill, canopies, fog, building, model,
+           leaves, passersby, landmarks, filmed_truth, truth_frames, noise, faults);
   return text.text();
 }
 
