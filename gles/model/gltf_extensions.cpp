@@ -48,10 +48,14 @@ ExtensionNote extension_note(std::string_view extension) {
       Row{"MSFT_lod", without, "the finest level is shown"},
 
       Row{"AGI_articulations", metadata, ""},
+      Row{"AGI_stk_metadata", metadata, ""},
       Row{"EXT_feature_metadata", metadata, ""},
       Row{"EXT_instance_features", metadata, ""},
       Row{"EXT_mesh_features", metadata, ""},
+      Row{"EXT_mesh_manifold", metadata, ""},
       Row{"EXT_structural_metadata", metadata, ""},
+      Row{"FB_geometry_metadata", metadata, ""},
+      Row{"FB_ngon_encoding", metadata, ""},  // of all that assimp writes
       Row{"KHR_node_hoverability", metadata, ""},
       Row{"KHR_node_selectability", metadata, ""},
       Row{"KHR_xmp", metadata, ""},

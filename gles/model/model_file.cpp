@@ -54,10 +54,29 @@ fs::path other_spelling(const fs::path& root, std::string name) {
   return at;
 }
 
+// The only file in the folder's tree that bears the last part of a name, in any case: many a model names its pictures
+// as they lay on the machine that made it. Empty: none, several, or a tree too large to be searched.
+fs::path elsewhere_in(const Folder& folder, const std::string& name) {
+  constexpr int kMostEntries = 4096;
+  const std::string wanted = without_case(name.substr(name.find_last_of("/\\") + 1));
+  fs::path found;
+  int entries = 0;
+  std::error_code error;
+  for (auto it = fs::recursive_directory_iterator(folder.root, error); !error && it != fs::end(it);
+       it.increment(error)) {
+    if (++entries > kMostEntries) return {};
+    if (without_case(it->path().filename().string()) != wanted || !folder.holds(it->path().string())) continue;
+    if (!found.empty()) return {};
+    found = it->path();
+  }
+  return error ? fs::path() : found;
+}
+
 std::string found_name(const std::string& name, void* folder) {
   const auto& allowed = *static_cast<const Folder*>(folder);
   if (allowed.holds(name)) return name;
-  const fs::path other = other_spelling(allowed.root, name);
+  fs::path other = other_spelling(allowed.root, name);
+  if (other.empty()) other = elsewhere_in(allowed, name);
   if (other.empty() || !allowed.holds(other.string())) return name;
   allowed.notes->push_back(fmt::format("{}: read instead of {}, which is not there", other.string(),
                                        name.substr(allowed.root.string().size() + 1)));

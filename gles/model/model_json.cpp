@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +22,15 @@ std::vector<std::string> names_in(const nlohmann::json& document, const char* ke
   if (const auto list = document.find(key); list != document.end() && list->is_array())
     for (const auto& name : *list) names.push_back(name.is_string() ? name.get<std::string>() : "(not a name)");
   return names;
+}
+
+// Extensions that anything of a document uses, whatever its lists say.
+void add_used(const nlohmann::json& of, std::set<std::string>& used) {
+  if (of.is_object())
+    if (const auto own = of.find("extensions"); own != of.end() && own->is_object())
+      for (const auto& [name, value] : own->items()) used.insert(name);
+  if (of.is_structured())
+    for (const auto& part : of) add_used(part, used);
 }
 
 bool is_hollow(const nlohmann::json& buffer) {
@@ -158,7 +168,10 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
   }
   std::ranges::sort(claims.extensions);
   claims.extensions.erase(std::ranges::unique(claims.extensions).begin(), claims.extensions.end());
+  std::set<std::string> used;
+  add_used(document, used);
   for (const std::string& extension : claims.extensions) {
+    if (!used.contains(extension)) continue;  // some exporters list all that they can write
     const auto note = extension_note(extension);
     if (note.use == ExtensionUse::without)
       claims.notes.push_back(fmt::format("{}: {} is left out: {}", name, extension, note.text));

@@ -282,6 +282,38 @@ TEST(GltfModel, FilesAreFoundAsWindowsFindsThem) {
   }
 }
 
+TEST(GltfModel, FilesAreFoundByNameWhereTheMachineThatMadeTheModelHadThemElsewhere) {
+  GltfFile file = square_file();
+  const auto folder = model_folder() / "moved";
+  std::filesystem::create_directories(folder / "textures");
+  ASSERT_TRUE(write_file(folder / "textures" / "Square.bin", file.buffer));
+  const auto with = [&](const std::string& uri) {
+    nlohmann::json json = file.json;
+    json["buffers"] = nlohmann::json::array({{{"byteLength", file.buffer.size()}, {"uri", uri}}});
+    EXPECT_TRUE(write_text_file(folder / "model.gltf", json.dump()));
+    return read_gltf(folder / "model.gltf");
+  };
+  for (const std::string uri : {"C:\\Users\\me\\square.bin", "..\\maps\\square.bin", "/home/me/Square.bin",
+                                "../maps/SQUARE.BIN", "http://example.org/square.bin"}) {
+    const Model model = loaded(with(uri));
+    EXPECT_EQ(model.triangle_count(), 2u) << uri;
+    EXPECT_THAT(model.notes, testing::ElementsAre(HasSubstr("textures/Square.bin: read instead of " + uri)));
+  }
+  std::filesystem::create_directories(folder / "other");
+  ASSERT_TRUE(write_file(folder / "other" / "square.bin", file.buffer));
+  EXPECT_FALSE(with("C:\\Users\\me\\square.bin")) << "either may be meant";
+}
+
+TEST(GltfModel, ExtensionsThatAreListedAndNotUsedAreNoLoss) {
+  GltfFile file = square_file();
+  file.json["extensionsUsed"] = {"KHR_materials_volume", "FB_ngon_encoding", "NOBODY_knows"};
+  EXPECT_THAT(loaded(file.read("listed")).notes, testing::IsEmpty());
+  file.primitive()["extensions"]["FB_ngon_encoding"] = nlohmann::json::object();
+  EXPECT_THAT(loaded(file.read("ngons")).notes, testing::IsEmpty());
+  file.primitive()["extensions"]["NOBODY_knows"] = nlohmann::json::object();
+  EXPECT_THAT(loaded(file.read("unknown")).notes, testing::ElementsAre(HasSubstr("NOBODY_knows is left out")));
+}
+
 TEST(GltfModel, TheCastleLoadsCompletely) {
   const std::filesystem::path path = shared_data_folder() / "gltf" / "castle.glb";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";

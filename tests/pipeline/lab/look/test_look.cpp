@@ -217,7 +217,10 @@ TEST(ModelNotes, ReachEveryTerminal) {
   const auto config = write_desk(folder / "desk");
   const auto model = folder / "desk/temple.glb";
   ASSERT_TRUE(fs::exists(model));
-  edit_glb(model, [](nlohmann::json& json) { json["extensionsUsed"].push_back("KHR_lights_punctual"); });
+  edit_glb(model, [](nlohmann::json& json) {
+    json["extensionsUsed"].push_back("KHR_lights_punctual");
+    json["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  });
   const auto recording = test_folder("notes-recording");
   fs::remove_all(recording);
   fs::copy(bench_fixture(), recording, fs::copy_options::recursive);
