@@ -1,6 +1,8 @@
 // KTX 2.0 specification, "File Structure", and Khronos Data Format Specification 1.3 for its data format descriptor.
 #include "gles/packed/ktx2.hpp"
 
+#include <algorithm>
+
 #include <zstd.h>
 
 #include "gles/packed/module.hpp"
@@ -17,6 +19,7 @@ constexpr std::size_t kKtx2Header = 80, kKtx2Level = 24;
 struct Ktx2Format {
   std::uint32_t kind = 0;
   bool red_green = false;  // the second of two channels stands where transparency does
+  bool premultiplied = false;
 };
 
 Result<Ktx2Format> format_of(Ktx2Bytes file) {
@@ -25,6 +28,7 @@ Result<Ktx2Format> format_of(Ktx2Bytes file) {
   const auto text = ktx2_part(file, ktx2_number(file, 48, 4), ktx2_number(file, 52, 4));
   if (!text || text->size() < kBlock) return fail(FaultKind::bad_input, "damaged KTX2: its data format is not there");
   Ktx2Format format{(*text)[12]};
+  format.premultiplied = ((*text)[15] & 1u) != 0;
   if (ktx2_number(file, 12, 4) != 0 || (format.kind != ktx2_etc1s && format.kind != ktx2_uastc))
     return fail(
         FaultKind::bad_input,
@@ -93,6 +97,10 @@ Result<Image<glm::u8vec4>> read_ktx2(std::span<const std::uint8_t> file, int wid
   auto image = picture_of(file, *format, width, height);
   if (image && format->red_green)
     for (glm::u8vec4& texel : image->elements()) texel = {texel.r, texel.a, 0, 255};
+  else if (image && format->premultiplied)  // glTF's are not
+    for (glm::u8vec4& texel : image->elements())
+      for (int c = 0; c < 3 && texel.a > 0; ++c)
+        texel[c] = static_cast<std::uint8_t>(std::min(255, (255 * texel[c] + texel.a / 2) / texel.a));
   return image;
 }
 

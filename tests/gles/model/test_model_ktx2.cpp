@@ -124,6 +124,22 @@ TEST(Ktx2, ASecondChannelCalledGreenIsGreen) {
   }
 }
 
+TEST(Ktx2, ColoursThatAreMultipliedByAlphaAreDividedByIt) {
+  Bytes file = bytes_of(kEtc1s);
+  const auto before = must(decode_picture(file, 4096));
+  file[119] |= 1u;  // flags: alpha is premultiplied
+  const auto after = must(decode_picture(file, 4096));
+  int soft = 0;
+  for (std::size_t i = 0; i < before->elements().size(); ++i) {
+    const glm::u8vec4 from = before->elements()[i], to = after->elements()[i];
+    ASSERT_EQ(to.a, from.a);
+    if (from.a == 0) continue;
+    soft += from.a < 255 ? 1 : 0;
+    for (int c = 0; c < 3; ++c) ASSERT_NEAR(to[c], std::min(255.0, 255.0 * from[c] / from.a), 0.51) << i;
+  }
+  EXPECT_GT(soft, 20);
+}
+
 TEST(Ktx2, EachFalseClaimIsRefusedByName) {
   struct Claim {
     std::string what;
