@@ -180,12 +180,15 @@ void LandmarkWatch::solve(const std::vector<KeptReadings>& pictures, int most_st
 }
 
 void LandmarkWatch::believe(std::optional<std::size_t> without) {
-  std::array<ContrastBelief, 3> beliefs;
+  std::array<LearntConstants, 3> learnt;
+  std::array<std::vector<double>, 3> scatter;
   for (std::size_t c = 0; c < 3; ++c) {
-    beliefs[c] = joint_[c].belief_without(without);
-    channels_[c].believe(beliefs[c]);
+    auto belief = joint_[c].belief_without(without);
+    learnt[c] = joint_[c].learnt_without(without);
+    scatter[c] = belief.scatter;
+    channels_[c].believe(std::move(belief));
   }
-  colours_.believe(beliefs);
+  colours_.believe(learnt, scatter);
 }
 
 ChannelExtinctions LandmarkWatch::estimate(const std::vector<ContrastReading>& all) const {
@@ -231,6 +234,13 @@ ChannelExtinctions LandmarkWatch::agreed(ChannelExtinctions air, const std::vect
     channel.highest_per_m = std::max(channel.highest_per_m, channel.per_m + 2.0 * channel.sigma_per_m);
   }
   air.aerosol.covariance.per_m += square(apart * air.aerosol.per_m);
+  // What makes them differ has a colour, that of changing light; the exponent is unknown at most.
+  constexpr double kUnknownExponent = 0.87;  // sigma of the even belief in -.5 to 2.5
+  const double by_colour = apart * std::sqrt(2.0 * (1.0 - ColourSpread{}.lit));
+  const auto nm = colours_.wavelength_nm();
+  double& exponent = air.aerosol.covariance.exponent;
+  exponent =
+      std::max(exponent, std::min(exponent + square(by_colour / std::log(nm.r / nm.b)), square(kUnknownExponent)));
   air.turbidity.sigma *= air.extinction().sigma_per_m / before;
   return air;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -26,12 +27,10 @@ constexpr double kSmallDepth = 0.1;                         // of the farthest: 
 // horizon's light, by some .3. One in fifty is anything (a crane, a blind).
 constexpr double kLitOften = 0.14, kLeastLitBy = 0.02, kAnythingOften = 0.02, kAnything = 2.0;
 constexpr double kLeastLit = 0.02;             // keeps the variance of a black surface's own light above zero
-constexpr double kDarkest = 1.05;              // a camera that sharpens makes edges blacker than black
 constexpr double kSettled = 1e-4;              // of contrast
 constexpr double kIndependentPictures = 60.0;  // pictures; more of the same surfaces' faults are not more knowledge
-constexpr double kLeastContrastSigma = 0.006;
-constexpr double kLeastToldScatter = 0.4;  // of one picture: what deviates does so for hours
-constexpr double kScatterReadings = 12.0;  // the stated scatter counts as so many readings
+constexpr double kLeastToldScatter = 0.4;      // of one picture: what deviates does so for hours
+constexpr double kScatterReadings = 12.0;      // the stated scatter counts as so many readings
 constexpr double kLeastScatter = 0.25, kGreatestScatter = 5.0;
 
 // The clearest hours: ln of aerosol varies by .7 at a place (AERONET) and by .5 between places; .35 is the sampling of
@@ -69,6 +68,26 @@ double independent_hours(const std::vector<ChannelSample>& pictures) {
     else
       without_time += 0.5;
   return std::max(1.0, static_cast<double>(halves.size()) + without_time);
+}
+
+std::vector<double> values_of(const auto& matrix) {
+  return std::vector<double>(matrix.data(), matrix.data() + matrix.size());
+}
+
+LearntConstants information_of(const ContrastBelief& belief) {
+  const auto count = static_cast<Eigen::Index>(belief.mean.size());
+  const Eigen::Map<const JointMatrix> covariance(belief.covariance.data(), count, count);
+  JointMatrix information = JointMatrix::Zero(2 * count, 2 * count);
+  information.topLeftCorner(count, count) = covariance.llt().solve(JointMatrix::Identity(count, count));
+  JointVector pull(2 * count);
+  pull.head(count) = information.topLeftCorner(count, count) * Eigen::Map<const JointVector>(belief.mean.data(), count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const double floor_sigma = std::max(kLeastFloorSigma, belief.floor_sigma[at]);
+    information(count + i, count + i) = 1.0 / square(floor_sigma);
+    pull[count + i] = belief.floor[at] / square(floor_sigma);
+  }
+  return {values_of(information), values_of(pull)};
 }
 
 }  // namespace
@@ -110,6 +129,7 @@ JointChannel::JointChannel(std::vector<LawOfLandmark> laws, ContrastBelief prior
       scatter_(laws_.size(), 1.0) {
   constants_.insert(constants_.end(), prior_.floor.begin(), prior_.floor.end());
   if (laws_.empty()) return;
+  prior_information_ = information_of(prior_);
   const auto [near, far] = std::ranges::minmax(laws_, {}, &LawOfLandmark::path_m);
   const double small = kSmallDepth / far.path_m;
   const double first = std::asinh(kLeastDepth / kSmallDepth), last = std::asinh(kGreatestDepth / near.path_m / small);
@@ -245,20 +265,12 @@ void JointChannel::scale_scatter(const std::vector<ChannelSample>& pictures) {
 
 void JointChannel::solve(const std::vector<ChannelSample>& pictures, int most_steps) {
   const auto size = static_cast<Eigen::Index>(constants_.size()), count = size / 2;
-  informations_.clear();
-  pulls_.clear();
+  learnt_ = {};
+  by_picture_.clear();
   per_m_.assign(pictures.size(), clearest_per_m_);
   if (count == 0) return;
-  JointMatrix prior = JointMatrix::Zero(size, size);
-  const Eigen::Map<const JointMatrix> known(prior_.covariance.data(), count, count);
-  prior.topLeftCorner(count, count) = known.llt().solve(JointMatrix::Identity(count, count));
-  JointVector pulled(size);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    prior(count + i, count + i) = 1.0 / square(prior_.floor_sigma[at]);
-    pulled[count + i] = prior_.floor[at] / square(prior_.floor_sigma[at]);
-  }
-  pulled.head(count) = prior.topLeftCorner(count, count) * Eigen::Map<const JointVector>(prior_.mean.data(), count);
+  const Eigen::Map<const JointMatrix> prior(prior_information_.information.data(), size, size);
+  const Eigen::Map<const JointVector> towards_prior(prior_information_.pull.data(), size);
   const double share =
       std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
   std::vector<Information> all;
@@ -272,10 +284,10 @@ void JointChannel::solve(const std::vector<ChannelSample>& pictures, int most_st
     }
     for (auto& one : all) one.matrix *= share, one.pull *= share;
     add_clearest(pictures, all);
-    sum = prior;
-    pull = pulled;
+    sum = JointMatrix::Zero(size, size);
+    pull = JointVector::Zero(size);
     for (const auto& one : all) sum += one.matrix, pull += one.pull;
-    JointVector solved = sum.llt().solve(pull);
+    JointVector solved = (prior + sum).llt().solve(towards_prior + pull);
     solved.head(count) = solved.head(count).cwiseMin(kDarkest).cwiseMax(-10.0).eval();
     const Eigen::Map<const JointVector> before(constants_.data(), size);
     const double moved = (solved - before).cwiseAbs().maxCoeff();
@@ -283,28 +295,36 @@ void JointChannel::solve(const std::vector<ChannelSample>& pictures, int most_st
     scale_scatter(pictures);
     if (moved < kSettled) break;
   }
-  const auto values_of = [](const auto& matrix) {
-    return std::vector<double>(matrix.data(), matrix.data() + matrix.size());
+  learnt_ = {values_of(sum), values_of(pull)};
+  for (std::size_t t = 0; t < pictures.size(); ++t)
+    by_picture_.push_back({values_of(all[t].matrix), values_of(all[t].pull)});
+}
+
+LearntConstants JointChannel::learnt_without(std::optional<std::size_t> picture) const {
+  LearntConstants learnt = learnt_;
+  if (!picture || learnt.pull.empty()) return learnt;
+  const auto take = [](std::vector<double>& from, const std::vector<double>& what) {
+    std::ranges::transform(from, what, from.begin(), std::minus<>());
   };
-  information_ = values_of(sum);
-  pull_ = values_of(pull);
-  for (std::size_t t = 0; t < pictures.size(); ++t) {
-    informations_.push_back(values_of(all[t].matrix));
-    pulls_.push_back(values_of(all[t].pull));
-  }
+  take(learnt.information, by_picture_[*picture].information);
+  take(learnt.pull, by_picture_[*picture].pull);
+  return learnt;
 }
 
 ContrastBelief JointChannel::belief_without(std::optional<std::size_t> picture) const {
   ContrastBelief belief = prior_;
   for (std::size_t i = 0; i < scatter_.size(); ++i) belief.scatter[i] = std::max(kLeastToldScatter, scatter_[i]);
   const auto size = static_cast<Eigen::Index>(constants_.size()), count = size / 2;
-  if (information_.empty() || count == 0) return belief;
-  JointMatrix sum = Eigen::Map<const JointMatrix>(information_.data(), size, size);
-  JointVector pull = Eigen::Map<const JointVector>(pull_.data(), size);
-  if (picture) {
-    sum -= Eigen::Map<const JointMatrix>(informations_[*picture].data(), size, size);
-    pull -= Eigen::Map<const JointVector>(pulls_[*picture].data(), size);
-  }
+  const auto learnt = learnt_without(picture);
+  if (learnt.pull.empty()) return belief;
+  const auto matrix_of = [&](const LearntConstants& one) {
+    return Eigen::Map<const JointMatrix>(one.information.data(), size, size);
+  };
+  const auto vector_of = [&](const LearntConstants& one) {
+    return Eigen::Map<const JointVector>(one.pull.data(), size);
+  };
+  const JointMatrix sum = matrix_of(prior_information_) + matrix_of(learnt);
+  const JointVector pull = vector_of(prior_information_) + vector_of(learnt);
   const Eigen::LLT<JointMatrix> factor(sum);
   JointVector mean = factor.solve(pull);
   mean.head(count) = mean.head(count).cwiseMin(kDarkest).eval();

@@ -8,6 +8,10 @@
 
 namespace kasumi {
 
+constexpr double kDarkest = 1.05;              // greatest C0: a camera that sharpens makes edges blacker than black
+constexpr double kLeastContrastSigma = 0.006;  // of C0, however many pictures there are
+constexpr double kLeastFloorSigma = 1e-4;      // of f, where it is said to be known
+
 // Of n landmarks in one channel.
 struct ContrastBelief {
   std::vector<double> mean, covariance;    // of C0, the contrast without air: n, and n x n by rows
@@ -58,6 +62,12 @@ struct Plausible {
 };
 Plausible plausible(double off, double variance, double kept, const LawOfLandmark& law);
 
+// What pictures say of the constants (C0, then f) by themselves: the inverse covariance, 2n x 2n by rows, and that
+// times the constants.
+struct LearntConstants {
+  std::vector<double> information, pull;
+};
+
 class JointChannel {
  public:
   // `clearest_per_m`: of air without any aerosol; `usual_aerosol_per_m`: what the median hour of a place has.
@@ -70,6 +80,8 @@ class JointChannel {
   ContrastBelief belief() const { return belief_without(std::nullopt); }
   // As the other pictures have it, by which one of them can be judged. Without any picture the prior.
   ContrastBelief belief_without(std::optional<std::size_t> picture) const;
+  // The same without the prior. Nothing before the first solution.
+  LearntConstants learnt_without(std::optional<std::size_t> picture) const;
   // The likeliest of each picture; below `clearest_per_m` where the readings are.
   const std::vector<double>& per_m() const { return per_m_; }
 
@@ -89,9 +101,8 @@ class JointChannel {
   std::vector<double> constants_;  // C0, then f
   std::vector<double> scatter_;
   std::vector<double> per_m_;
-  // Information about the constants: of all, and of each picture by itself (2n x 2n), and times the constants (2n).
-  std::vector<double> information_, pull_;
-  std::vector<std::vector<double>> informations_, pulls_;
+  LearntConstants prior_information_, learnt_;  // of all pictures
+  std::vector<LearntConstants> by_picture_;
 };
 
 }  // namespace kasumi

@@ -4,12 +4,17 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+
+#include "base/square.hpp"
 
 namespace kasumi {
 namespace {
@@ -24,7 +29,8 @@ constexpr int kCoarseAmounts = 64, kCoarseExponents = 13, kFineAmounts = 31, kFi
 constexpr double kFineRise = 18.0;      // of -2 ln likelihood: 4 sigma and a little
 constexpr double kBoundRise = 4.0;      // 2 sigma
 constexpr double kNodesExponent = 1.3;  // for which the nodes are made; others cost some 1e-3
-// Of the exponent's range: nearer to its end the range decides, not the readings.
+// How far beyond the end of the exponent's range is looked, from how near to it: in steps of .25.
+constexpr int kBeyond = 6;
 constexpr double kAtTheEnd = 0.3;
 constexpr double kUsualExponent = 1.3, kUsualExponentSigma = 0.5;
 const glm::dvec3 kGrey{0.21, 0.72, 0.07};
@@ -42,6 +48,21 @@ struct Cell {
 glm::dvec3 unsaturated(const glm::dvec3& contrast, double chroma) {
   const double grey = glm::dot(contrast, kGrey);
   return grey + (contrast - grey) / chroma;
+}
+
+// The symmetric root of an information matrix, and what it makes of the constants that it is of.
+std::pair<ColourMatrix, ColourVector> rooted(const LearntConstants& learnt, Eigen::Index size) {
+  const Eigen::SelfAdjointEigenSolver<ColourMatrix> parts(
+      Eigen::Map<const ColourMatrix>(learnt.information.data(), size, size));
+  constexpr double kNothing = 1e-12;  // of the greatest: rounding
+  const double least = kNothing * std::max(parts.eigenvalues().maxCoeff(), 0.0);
+  const ColourVector root = parts.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  ColourVector inverse = ColourVector::Zero(size);
+  for (Eigen::Index k = 0; k < size; ++k)
+    if (parts.eigenvalues()[k] > least) inverse[k] = 1.0 / root[k];
+  const auto& axes = parts.eigenvectors();
+  const ColourVector along = axes.transpose() * Eigen::Map<const ColourVector>(learnt.pull.data(), size);
+  return {axes * root.asDiagonal() * axes.transpose(), axes * inverse.cwiseProduct(along)};
 }
 
 }  // namespace
@@ -70,7 +91,7 @@ LandmarkColours::LandmarkColours(const Camera& camera, const std::vector<Contras
   for (const auto& weight : measure.weight) haze += weight * std::pow(nm++, -kNodesExponent);
   wavelength_nm_ = glm::pow(haze, glm::dvec3(-1.0 / kNodesExponent));
   const std::size_t count = 3 * landmarks.size();
-  covariance_.resize(count * count);
+  before_.covariance.resize(count * count);
   for (const auto& landmark : landmarks) {
     paths_.push_back(optical_path(altitude_m, altitude_m + landmark.rise_m, landmark.distance_m));
   }
@@ -84,16 +105,20 @@ LandmarkColours::LandmarkColours(const Camera& camera, const std::vector<Contras
     return landmarks[k / 3].contrast_sigma * (laws_[k / 3].before_sky ? colours.dull[static_cast<int>(k % 3)] : 1.0);
   };
   for (std::size_t k = 0; k < count; ++k) {
-    mean_.push_back(laws_[k / 3].before_sky ? 1.0 - own(k) : own(k));
-    floor_.push_back(0.0);
-    floor_sigma_.push_back(landmarks[k / 3].infinity_sigma);
-    scatter_.push_back(1.0);
+    before_.mean.push_back(laws_[k / 3].before_sky ? 1.0 - own(k) : own(k));
+    before_.floor.push_back(0.0);
+    before_.floor_sigma.push_back(landmarks[k / 3].infinity_sigma);
+    before_.scatter.push_back(1.0);
     for (std::size_t l = 0; l < count; ++l) {
       const double together = k / 3 == l / 3 ? 1.0 : spread.known_together;
-      covariance_[k * count + l] = together * scale(k) * scale(l);
-      if (k % 3 == l % 3) covariance_[k * count + l] += together * colours.colour * colours.colour * own(k) * own(l);
+      before_.covariance[k * count + l] = together * scale(k) * scale(l);
+      // How much light there is and which colour it has are both unsure: the second moment of their product.
+      if (k % 3 == l % 3)
+        before_.covariance[k * count + l] +=
+            together * square(colours.colour[static_cast<int>(k % 3)]) * (own(k) * own(l) + scale(k) * scale(l));
     }
   }
+  belief_ = before_;
 }
 
 LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>& readings,
@@ -102,7 +127,7 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
   for (std::size_t i = 0; i < readings.size() && i < paths_.size(); ++i)
     if (readings[i].usable && std::ranges::find(left_out, i) == left_out.end()) asked.landmarks.push_back(i);
   const auto count = static_cast<Eigen::Index>(3 * asked.landmarks.size());
-  const auto all = mean_.size();
+  const auto all = belief_.mean.size();
   asked.contrast = asked.sigma = asked.mean = asked.lit = asked.floor = asked.floor_sigma = asked.scatter =
       ColourVector(count);
   asked.known = ColourMatrix(count, count);
@@ -117,13 +142,13 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
     asked.contrast[k] = unsaturated(reading.contrast, chroma_)[c];
     asked.sigma[k] =
         reading.sigma[c] * (reading.lit ? 0.0 : 1.0) / std::min(1.0, chroma_) + (reading.lit ? kLitBy : 0.0);
-    asked.mean[k] = mean_[from];
-    asked.floor[k] = floor_[from];
-    asked.floor_sigma[k] = floor_sigma_[from];
-    asked.scatter[k] = scatter_[from];
+    asked.mean[k] = belief_.mean[from];
+    asked.floor[k] = belief_.floor[from];
+    asked.floor_sigma[k] = belief_.floor_sigma[from];
+    asked.scatter[k] = belief_.scatter[from];
     // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
-    asked.lit[k] = laws_[from / 3].before_sky ? std::max(0.02, 1.0 - mean_[from]) : std::abs(mean_[from]);
-    for (Eigen::Index l = 0; l < count; ++l) asked.known(k, l) = covariance_[from * all + at(l)];
+    asked.lit[k] = laws_[from / 3].before_sky ? std::max(0.02, 1.0 - belief_.mean[from]) : std::abs(belief_.mean[from]);
+    for (Eigen::Index l = 0; l < count; ++l) asked.known(k, l) = belief_.covariance[from * all + at(l)];
   }
   return asked;
 }
@@ -203,7 +228,7 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
     return cells;
   };
   const auto best_of = [](const std::vector<Cell>& cells) {
-    return std::ranges::min_element(cells, {}, &Cell::minus_two_log)->minus_two_log;
+    return *std::ranges::min_element(cells, {}, &Cell::minus_two_log);
   };
   const Steps all{std::log(kClearestAerosol_per_m), std::log(kThickestAerosol_per_m), kCoarseAmounts};
   const Steps exponents{kLowestExponent, kHighestExponent, kCoarseExponents};
@@ -215,7 +240,7 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
     likely.count = std::max(2, 1 + static_cast<int>(std::ceil((likely.last - likely.first) / step)));
   }
   const auto coarse = look(likely, exponents);
-  const double low_enough = best_of(coarse) + kFineRise;
+  const double low_enough = best_of(coarse).minus_two_log + kFineRise;
   const double amount_step = all.at(1) - all.first, exponent_step = exponents.at(1) - exponents.first;
   Steps near{all.last, all.first, kFineAmounts}, bent{exponents.last, exponents.first, kFineExponents};
   for (const auto& cell : coarse) {
@@ -230,7 +255,7 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
   bent.first = std::max(bent.first, exponents.first);
   bent.last = std::min(bent.last, exponents.last);
   const auto fine = look(near, bent);
-  const double best = best_of(fine);
+  const double best = best_of(fine).minus_two_log;
 
   // Moments under an even belief in extinction and exponent.
   double weights = 0.0, amount = 0.0, exponent = 0.0, aa = 0.0, ae = 0.0, ee = 0.0;
@@ -261,8 +286,12 @@ PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readin
   if (found.kind == ExtinctionKind::at_most) found.reason = "so little aerosol that the landmarks do not show it";
   if (found.kind == ExtinctionKind::at_least) found.reason = "so much aerosol that the landmarks have gone";
   if (found.kind == ExtinctionKind::nothing) found.reason = "the landmarks' contrasts are consistent with any air";
-  const double end = std::min(found.angstrom_exponent - kLowestExponent, kHighestExponent - found.angstrom_exponent);
-  if (end < kAtTheEnd && std::sqrt(found.covariance.exponent) < kUsualExponentSigma) {
+  // Likelier by 2 sigma beyond either end.
+  const auto likelier_beyond = [&](double end, double step) {
+    if (std::abs(best_of(fine).exponent - end) > kAtTheEnd) return false;
+    return best_of(look(near, {end + step, end + kBeyond * step, kBeyond})).minus_two_log < best - kBoundRise;
+  };
+  if (likelier_beyond(kLowestExponent, -exponent_step) || likelier_beyond(kHighestExponent, exponent_step)) {
     // No such aerosol is known: something else makes the colours, and the exponent is as unknown as before.
     found.exponent_told = false;
     found.angstrom_exponent = kUsualExponent;
@@ -332,32 +361,66 @@ PathReading LandmarkColours::reading_of(const PathAerosol& found) const {
   return reading;
 }
 
-void LandmarkColours::believe(const std::array<ContrastBelief, 3>& channels) {
-  const auto count = static_cast<Eigen::Index>(laws_.size());
-  // What is unsure is in part common to the channels: of their factors' products, so that it stays a covariance.
-  std::array<ColourMatrix, 3> factors;
+void LandmarkColours::believe(const std::array<LearntConstants, 3>& channels,
+                              const std::array<std::vector<double>, 3>& scatter) {
+  const auto landmarks = static_cast<Eigen::Index>(laws_.size()), half = 3 * landmarks;
+  belief_ = before_;
+  if (landmarks == 0 || channels[0].pull.empty()) return;
+  const auto place = [](Eigen::Index k, std::size_t c) { return 3 * k + static_cast<Eigen::Index>(c); };
+
+  // The channels' errors go together (ColourSpread::learnt_together): information is F R^-1 F', F the root of each
+  // channel's own, R their correlation.
+  ColourMatrix information = ColourMatrix::Zero(2 * half, 2 * half);
+  ColourVector pull = ColourVector::Zero(2 * half);
+  std::array<ColourMatrix, 3> roots;
+  std::array<ColourVector, 3> whitened;
+  for (std::size_t c = 0; c < 3; ++c) std::tie(roots[c], whitened[c]) = rooted(channels[c], 2 * landmarks);
+  Eigen::Matrix3d together = Eigen::Matrix3d::Constant(colours_.learnt_together);
+  together.diagonal().setOnes();
+  const Eigen::Matrix3d apart = together.inverse();
   for (std::size_t c = 0; c < 3; ++c)
-    factors[c] = Eigen::Map<const ColourMatrix>(channels[c].covariance.data(), count, count).llt().matrixL();
-  std::array<std::array<ColourMatrix, 3>, 3> together;
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t d = 0; d < 3; ++d)
-      together[c][d] = (c == d ? 1.0 : colours_.learnt_together) * factors[c] * factors[d].transpose();
-  const auto all = static_cast<Eigen::Index>(mean_.size());
-  Eigen::Map<ColourMatrix> covariance(covariance_.data(), all, all);
-  const auto grey_of = [&](const auto& of) { return glm::dvec3(of(0), of(1), of(2)); };
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const auto mean = unsaturated(grey_of([&](std::size_t c) { return channels[c].mean[at]; }), chroma_);
-    const auto floor = unsaturated(grey_of([&](std::size_t c) { return channels[c].floor[at]; }), chroma_);
-    for (std::size_t c = 0; c < 3; ++c) {
-      mean_[3 * at + c] = mean[static_cast<int>(c)];
-      floor_[3 * at + c] = floor[static_cast<int>(c)];
-      floor_sigma_[3 * at + c] = channels[c].floor_sigma[at] / std::min(1.0, chroma_);
-      scatter_[3 * at + c] = channels[c].scatter[at];
-      for (Eigen::Index j = 0; j < count; ++j)
-        for (std::size_t d = 0; d < 3; ++d)
-          covariance(3 * i + static_cast<Eigen::Index>(c), 3 * j + static_cast<Eigen::Index>(d)) = together[c][d](i, j);
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double weight = apart(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(d));
+      const ColourMatrix block = weight * roots[c] * roots[d];
+      const ColourVector towards = weight * roots[c] * whitened[d];
+      for (Eigen::Index k = 0; k < 2 * landmarks; ++k) {
+        pull[place(k, c)] += towards[k];
+        for (Eigen::Index l = 0; l < 2 * landmarks; ++l) information(place(k, c), place(l, d)) = block(k, l);
+      }
     }
+  // Of the true contrasts, from which the camera has made what was read.
+  ColourMatrix seen = ColourMatrix::Zero(2 * half, 2 * half);
+  for (Eigen::Index k = 0; k < 2 * landmarks; ++k)
+    for (Eigen::Index c = 0; c < 3; ++c)
+      for (Eigen::Index d = 0; d < 3; ++d)
+        seen(3 * k + c, 3 * k + d) = (c == d ? chroma_ : 0.0) + (1.0 - chroma_) * kGrey[static_cast<int>(d)];
+  information = (seen.transpose() * information * seen).eval();
+  pull = (seen.transpose() * pull).eval();
+
+  ColourMatrix known = ColourMatrix::Zero(2 * half, 2 * half);
+  known.topLeftCorner(half, half) = Eigen::Map<const ColourMatrix>(belief_.covariance.data(), half, half);
+  ColourVector mean = ColourVector::Zero(2 * half);
+  mean.head(half) = Eigen::Map<const ColourVector>(belief_.mean.data(), half);
+  for (Eigen::Index k = 0; k < half; ++k)
+    for (Eigen::Index c = 0; c < 3; ++c) {
+      const auto other = 3 * (k / 3) + c;
+      const double sigma = std::max(kLeastFloorSigma, belief_.floor_sigma[static_cast<std::size_t>(k)]);
+      known(half + k, half + other) = square(sigma) * (k == other ? 1.0 : colours_.airlight_together);
+    }
+  const ColourMatrix identity = ColourMatrix::Identity(2 * half, 2 * half);
+  const ColourMatrix prior = known.llt().solve(identity);
+  const Eigen::LLT<ColourMatrix> factor(prior + information);
+  const ColourVector solved = factor.solve(prior * mean + pull);
+  const ColourMatrix left = factor.solve(identity);
+  for (Eigen::Index k = 0; k < half; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    belief_.mean[at] = std::min(kDarkest, solved[k]);
+    belief_.floor[at] = solved[half + k];
+    belief_.floor_sigma[at] = std::sqrt(left(half + k, half + k));
+    belief_.scatter[at] = scatter[at % 3][at / 3];
+    for (Eigen::Index l = 0; l < half; ++l)
+      belief_.covariance[at * static_cast<std::size_t>(half) + static_cast<std::size_t>(l)] =
+          0.5 * (left(k, l) + left(l, k)) + (k == l ? square(kLeastContrastSigma) : 0.0);
   }
 }
 

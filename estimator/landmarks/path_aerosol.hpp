@@ -20,14 +20,15 @@ namespace kasumi {
 
 // Correlation between channels of the errors that ContrastSpread and a landmark's contrast describe for one.
 struct ColourSpread {
-  // A surface's light in units of the horizon's, over what its contrast says: leaves, soil, stone and brick reflect some
-  // .45 to .75 as much blue as red. For contrasts between two surfaces there is no such rule.
-  glm::dvec3 dull{1.1, 1.1, 0.7};
-  double colour = 0.3;             // one standard deviation of that, in each channel by itself
-  double lit = 0.9;                // correlation of changing light: the sun's colour is not the sky's
+  // A surface's light in units of the horizon's, over what its contrast says, and one standard deviation of that share
+  // in each channel by itself. Leaves, soil, stone and brick reflect some .45 to .75 as much blue as red. Of what falls
+  // on them over the horizon's light, the sun's has .6 as much blue as red, a shaded side's 1.2. Both together are .25
+  // to .9. For contrasts between two surfaces there is no such rule.
+  glm::dvec3 dull{1.15, 1.0, 0.55}, colour{0.25, 0.15, 0.45};
+  double lit = 0.75;               // correlation of changing light: between sun and shade blue changes half as much
   double read = 0.5;               // of errors of reading: the sky's are common, the pixels' are not
   double airlight_together = 0.7;  // correlation of ContrastSpread::airlight from channel to channel
-  double learnt_together = 0.7;    // of what pictures have left unsure of a contrast without air
+  double learnt_together = 0.7;    // of the errors of what pictures show of a contrast without air
 };
 
 struct PathCovariance {
@@ -66,8 +67,9 @@ class LandmarkColours {
   // As an observer says it: of all the air, channel by channel; of a bound the bound.
   PathReading reading_of(const PathAerosol& found) const;
 
-  // As the channels have it, of R, G and B. At first, that before the first picture.
-  void believe(const std::array<ContrastBelief, 3>& channels);
+  // What pictures have shown in R, G and B, and by how much more than expected each landmark scatters there. At first
+  // nothing. What is known of surfaces' colours joins the channels.
+  void believe(const std::array<LearntConstants, 3>& channels, const std::array<std::vector<double>, 3>& scatter);
   // The camera shows colours so many times as saturated as they are: contrasts' differences from grey's.
   void set_chroma(double chroma) { chroma_ = chroma; }
   double chroma() const { return chroma_; }
@@ -88,8 +90,7 @@ class LandmarkColours {
   std::vector<OpticalPath> paths_;
   std::vector<LawOfLandmark> laws_;
   double chroma_ = 1.0;
-  std::vector<double> mean_, covariance_;              // of the contrasts without air
-  std::vector<double> floor_, floor_sigma_, scatter_;  // of each, as ContrastBelief has them
+  ContrastBelief before_, belief_;  // before the first picture, and now; of 3 n contrasts
 };
 
 }  // namespace kasumi

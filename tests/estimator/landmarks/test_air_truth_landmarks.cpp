@@ -33,10 +33,11 @@ fixtures::Weather weather_of(const Day& day) {
   return weather;
 }
 
-// Landmarks between 1 and 15 km.
+// Landmarks between 1 and 15 km, of which nothing is said, against the horizon as a configuration has them.
 GeneratedView view_of_ridges(std::uint64_t terrain) {
   auto view = generated_view(terrain);
   std::erase_if(view.landmarks, [](const auto& one) { return one.distance_m < 1e3 || one.distance_m > 15e3; });
+  for (auto& one : view.landmarks) one.infinity_sigma = infinity_sigma(one, view.camera.camera.width);
   return view;
 }
 

@@ -120,6 +120,38 @@ TEST(JointSolution, WhatIsLeftOutTakesNoPart) {
   }
 }
 
+// Clear and hazy pictures of surfaces of known colour, as a path of that aerosol shows them.
+PathAerosol aerosol_seen(double exponent) {
+  std::vector<ContrastLandmark> landmarks = landmarks_of(kTowers);
+  const LandmarkColours colours(Camera{}, landmarks, 0.0);
+  std::vector<ContrastReading> readings;
+  for (const auto& landmark : landmarks) {
+    ContrastReading reading{true, "", {}, glm::dvec3(0.003)};
+    for (int c = 0; c < 3; ++c) {
+      const double nm = colours.wavelength_nm()[c];
+      const double per_m = rayleigh_per_m(ScatteringModel::aerosol, nm, 0.0) + 3e-4 * std::pow(nm / 550.0, -exponent);
+      reading.contrast[c] = (1.0 - 0.06 * ColourSpread{}.dull[c]) * std::exp(-per_m * haze_path_m(landmark, 0.0));
+    }
+    readings.push_back(reading);
+  }
+  return colours.estimate(readings);
+}
+
+// Dust's lies near the end of what is believed and is found; one that no aerosol has is not.
+TEST(JointSolution, AnExponentThatNoAerosolHasIsUnknown) {
+  for (const double exponent : {-0.2, 0.1, 1.3, 2.0}) {
+    const auto seen = aerosol_seen(exponent);
+    EXPECT_TRUE(seen.exponent_told) << exponent;
+    EXPECT_NEAR(seen.angstrom_exponent, exponent, std::max(0.15, std::sqrt(seen.covariance.exponent))) << exponent;
+  }
+  for (const double exponent : {-2.0, 4.0}) {
+    const auto seen = aerosol_seen(exponent);
+    EXPECT_FALSE(seen.exponent_told) << exponent;
+    EXPECT_NEAR(seen.angstrom_exponent, 1.3, 1e-9) << "as usual";
+    EXPECT_NEAR(std::sqrt(seen.covariance.exponent), 0.5, 1e-9);
+  }
+}
+
 TEST(JointSolution, AnUnchangedSceneIsOneReading) {
   LandmarkWatch watch(Camera{}, 0.0, landmarks_of(kTowers), {}, ScatteringModel::aerosol);
   fixtures::Random random(5);
