@@ -58,12 +58,19 @@ double clearest_seen(double usual, double share, double sigma) {
   return 0.5 * (low + high);
 }
 
+// Pictures by night or in infrared light do not.
+bool shows_air(const ChannelSample& picture) {
+  return std::ranges::any_of(picture.readings, &ChannelReading::used);
+}
+
 // Hours of one half of a day have much the same air.
 double independent_hours(const std::vector<ChannelSample>& pictures) {
   std::set<double> halves;
   double without_time = 0.0;
   for (const auto& picture : pictures)
-    if (picture.day)
+    if (!shows_air(picture))
+      continue;
+    else if (picture.day)
       halves.insert(std::floor(2.0 * *picture.day));
     else
       without_time += 0.5;
@@ -206,7 +213,7 @@ JointChannel::Information JointChannel::of(const ChannelSample& picture, double 
 void JointChannel::add_clearest(const std::vector<ChannelSample>& pictures, std::vector<Information>& all) {
   std::vector<std::size_t> order;
   for (std::size_t t = 0; t < pictures.size(); ++t)
-    if (std::ranges::count_if(pictures[t].readings, &ChannelReading::used) > 0) order.push_back(t);
+    if (shows_air(pictures[t])) order.push_back(t);
   if (order.empty()) return;
   std::ranges::sort(order, {}, [&](std::size_t t) { return per_m_[t]; });
   const auto clearest = std::max<std::size_t>(
@@ -271,8 +278,8 @@ void JointChannel::solve(const std::vector<ChannelSample>& pictures, int most_st
   if (count == 0) return;
   const Eigen::Map<const JointMatrix> prior(prior_information_.information.data(), size, size);
   const Eigen::Map<const JointVector> towards_prior(prior_information_.pull.data(), size);
-  const double share =
-      std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::size_t>(1, pictures.size())));
+  const auto showing = std::ranges::count_if(pictures, shows_air);
+  const double share = std::min(1.0, kIndependentPictures / static_cast<double>(std::max<std::ptrdiff_t>(1, showing)));
   std::vector<Information> all;
   JointMatrix sum;
   JointVector pull;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include <nlohmann/json.hpp>
 
@@ -77,10 +78,19 @@ Result<VisibilitySeries> read_visibilities(const std::vector<std::filesystem::pa
                   width, height, camera.width, camera.height);
     readings.push_back(watch->read(camera, photograph->encoded));
   }
-  auto airs = watch->estimate_all(readings);
-  VisibilitySeries found{std::move(*watch), {}};
-  for (std::size_t i = 0; i < files.size(); ++i)
-    found.pictures.push_back({files[i], std::move(readings[i]), std::move(airs[i])});
+  // An unchanged scene is one reading, so that neighbours in time have to be neighbours: by their names, whatever order
+  // they were given in.
+  std::vector<std::size_t> by_name(files.size());
+  std::iota(by_name.begin(), by_name.end(), std::size_t{0});
+  std::ranges::stable_sort(by_name, {}, [&](std::size_t i) { return files[i].filename(); });
+  std::vector<std::vector<ContrastReading>> in_time;
+  for (const auto i : by_name) in_time.push_back(readings[i]);
+  auto airs = watch->estimate_all(in_time);
+  VisibilitySeries found{std::move(*watch), std::vector<VisibilityReading>(files.size())};
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    const auto i = by_name[k];
+    found.pictures[i] = {files[i], std::move(readings[i]), std::move(airs[k])};
+  }
   return found;
 }
 

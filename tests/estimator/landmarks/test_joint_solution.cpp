@@ -120,6 +120,20 @@ TEST(JointSolution, WhatIsLeftOutTakesNoPart) {
   }
 }
 
+TEST(JointSolution, PicturesThatShowNothingAreNoHours) {
+  const LandmarkWatch watch(Camera{}, 0.0, landmarks_of(kTowers), {}, ScatteringModel::aerosol);
+  fixtures::Random random(5);
+  std::vector<std::vector<ContrastReading>> pictures, with_nights;
+  for (int t = 0; t < 9; ++t) {
+    pictures.push_back(picture(kTowers, hazy_per_m(random), random));
+    with_nights.push_back(pictures.back());
+    with_nights.emplace_back(kTowers.size(), ContrastReading{false, "by night", {}, {}});
+  }
+  const auto by_day = watch.estimate_all(pictures), by_all = watch.estimate_all(with_nights);
+  for (std::size_t t = 0; t < pictures.size(); ++t)
+    EXPECT_NEAR(by_all[2 * t].extinction().per_m / by_day[t].extinction().per_m, 1.0, 1e-6) << t;
+}
+
 // Clear and hazy pictures of surfaces of known colour, as a path of that aerosol shows them.
 PathAerosol aerosol_seen(double exponent) {
   std::vector<ContrastLandmark> landmarks = landmarks_of(kTowers);

@@ -1,4 +1,5 @@
 // Visibility from landmarks against an instrument's.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/lab/photographs/measured_visibility.hpp"
+#include "pipeline/lab/photographs/visibility_series.hpp"
 #include "tests/environment.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -98,6 +100,25 @@ TEST(MeasuredVisibility, OfTheMeadowOfDeBiltIsComparedByOneCommand) {
   EXPECT_EQ(values, 4) << "in fog and mist";
   EXPECT_GE(within_factor, 2);
   EXPECT_GE(within_sigmas, 2);
+}
+
+// Names carry the time, the order in which they are given nothing.
+TEST(MeasuredVisibility, OfTheMeadowOfDeBiltIsTheSameInAnyOrder) {
+  const auto folder = shared_data_folder() / "haze/knmi-debilt";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<std::filesystem::path> pictures;
+  for (const char* time : {"1004_0650", "1009_0850", "1017_0630", "1006_0620", "1010_0830", "1006_1430", "1007_0650"})
+    pictures.push_back(folder / fmt::format("Meetterrein_2015{}.jpg", time));
+  const auto landmarks = source_folder() / "tests/paper/knmi-debilt.toml";
+  const auto given = read_visibilities(pictures, landmarks);
+  std::ranges::sort(pictures);
+  const auto in_time = read_visibilities(pictures, landmarks);
+  ASSERT_TRUE(given && in_time);
+  for (const auto& one : given->pictures) {
+    const auto same = std::ranges::find(in_time->pictures, one.picture, &VisibilityReading::picture);
+    ASSERT_NE(same, in_time->pictures.end());
+    EXPECT_EQ(one.air.extinction().per_m, same->air.extinction().per_m) << one.picture;
+  }
 }
 
 }  // namespace
