@@ -50,13 +50,22 @@ class Touching {  // the plane that touches the sphere at a point; distances fro
     Around around;
     around.distance = std::atan2(sine, glm::dot(d, point_));
     around.offset = sine > 1e-9 ? flat * (around.distance / sine) : glm::dvec2{0.0};
-    const double azimuth = std::atan2(flat.y, flat.x) / (2.0 * kPi) + 0.5;
-    around.sector = std::min(kFitSectors - 1, static_cast<std::size_t>(azimuth * kFitSectors));
+    around.sector = sector_of(flat);
     return around;
   }
   glm::dvec3 at(const glm::dvec2& offset) const { return glm::normalize(point_ + offset.x * a_ + offset.y * b_); }
 
  private:
+  // Of 30 deg each, counter-clockwise from the negative x axis: without an arc tangent.
+  static std::size_t sector_of(const glm::dvec2& flat) {
+    static_assert(kFitSectors == 12);
+    constexpr double kTan30 = 0.57735026918962576, kTan60 = 1.7320508075688773;
+    const double x = std::abs(flat.x), y = std::abs(flat.y);
+    const std::size_t from_axis = y < kTan30 * x ? 0 : y < kTan60 * x ? 1 : 2;
+    if (flat.y < 0.0) return flat.x < 0.0 ? from_axis : 5 - from_axis;
+    return flat.x < 0.0 ? 11 - from_axis : 6 + from_axis;
+  }
+
   glm::dvec3 point_, a_, b_;
 };
 
@@ -66,14 +75,14 @@ double bisquare(double x) {
 }
 
 // Distance at which half of the surroundings are no longer clipped.
-double clipped_radius(const CoarseMaps& sky, const std::vector<Spot>& spots, const Touching& plane) {
+double clipped_radius(const CoarseMaps& sky, const std::vector<Spot>& spots, const std::vector<Around>& seen) {
   std::array<double, 80> clipped{}, all{};
-  for (const Spot& spot : spots) {
-    const auto ring = static_cast<std::size_t>(plane.seen(spot.direction).distance / sky.resolution.value);
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const auto ring = static_cast<std::size_t>(seen[i].distance / sky.resolution.value);
     if (ring >= all.size()) continue;
-    const auto share = static_cast<double>(spot.share);
+    const auto share = static_cast<double>(spots[i].share);
     all[ring] += share;
-    if (spot.clipped) clipped[ring] += share;
+    if (spots[i].clipped) clipped[ring] += share;
   }
   for (std::size_t ring = 0; ring < all.size(); ++ring)
     if (all[ring] > 0.0 && clipped[ring] < 0.5 * all[ring]) return static_cast<double>(ring) * sky.resolution.value;
@@ -135,12 +144,14 @@ class Fitting {
   // False: too little is seen around the centre.
   bool round(bool moves) {
     const Touching plane(centre_);
-    hole_ = clipped_radius(sky_, spots_, plane);
+    seen_.clear();
+    for (const Spot& spot : spots_) seen_.push_back(plane.seen(spot.direction));
+    hole_ = clipped_radius(sky_, spots_, seen_);
     if (hole_ > from_degrees(40.0).value) return false;
     reach_ = std::min(kFarthestSpot.value, (1.0 + limits_.wide) * hole_ + limits_.further.value);
     inner_ = std::max(hole_, 1.5 * element_);
     radial_ = {0.7 * element_, 1.5 * inner_};
-    gather(plane, moves);
+    gather(moves);
     if (left_.size() < 40 || !(total_ > 0.0)) return false;
     factors_ = solved_without(kFitSectors);
     if (!factors_.allFinite()) return false;
@@ -202,14 +213,15 @@ class Fitting {
     return row;
   }
 
-  void gather(const Touching& plane, bool moves) {
+  void gather(bool moves) {
     constexpr double kFollows = 0.15;  // ln light
     for (auto& n : normal_) n.setZero();
     for (auto& r : right_) r.setZero();
     left_.clear();
     double follow = 0.0, all = 0.0;
-    for (const Spot& spot : spots_) {
-      const Around around = plane.seen(spot.direction);
+    for (std::size_t i = 0; i < spots_.size(); ++i) {
+      const Spot& spot = spots_[i];
+      const Around& around = seen_[i];
       if (around.distance > reach_) continue;
       const Row row = terms_at(around, moves);
       const auto value = static_cast<double>(spot.light);
@@ -270,6 +282,7 @@ class Fitting {
   AureoleReach limits_;
   double element_;  // [rad]
   std::vector<Spot> spots_;
+  std::vector<Around> seen_;  // the spots, from the centre of this round
   SunDirection centre_;
   double hole_ = 0.0, inner_ = 0.0, reach_ = 0.0, step_ = 0.0;  // [rad]
   double window_ = kWidest;
