@@ -20,7 +20,8 @@ constexpr double kWeighedRough = 3.0, kBelievedRough = 0.2;
 // What a model errs is not random: it resembles what another amount would change. Among skies of other aerosols, grounds
 // and mixtures amounts were off by this much more (in variance) than random errors of the same size would make them.
 constexpr double kBelievedTimes = 2.5;
-constexpr double kFarOff = 3.0;  // standard deviations
+constexpr double kFarOff = 3.0;    // standard deviations
+constexpr double kSettled = 1e-3;  // relative change of a scale: no fit sees less
 
 double matern(double distance, double length) {
   const double x = std::sqrt(3.0) * std::abs(distance) / length;
@@ -120,19 +121,21 @@ void Unexplained::learn(const RadianceParts& residuals) {
       const Eigen::LLT<Eigen::MatrixXd> factor(covariance(p, scales_[part]));
       Eigen::VectorXd white = residuals[part];
       factor.matrixL().solveInPlace(white);
+      const double before = scales_[part].smooth;
       scales_[part].smooth =
-          std::max(kLeast[part].smooth,
-                   scales_[part].smooth * std::sqrt(white.squaredNorm() / static_cast<double>(white.size())));
+          std::max(kLeast[part].smooth, before * std::sqrt(white.squaredNorm() / static_cast<double>(white.size())));
       scales_[part].rough = std::max(kLeast[part].rough, kWeighedRough * scales_[part].smooth);
+      if (turn > 0 && std::abs(scales_[part].smooth - before) < kSettled * before) break;
     }
   }
   // A patch against what all others say of it.
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance(0, scales_[0]));
-  const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(off_.size(), off_.size()));
-  const Eigen::VectorXd pulled = inverse * residuals[0];
+  const Eigen::MatrixXd root = factor.matrixL().solve(Eigen::MatrixXd::Identity(off_.size(), off_.size()));
+  const Eigen::VectorXd inverse = root.colwise().squaredNorm();  // its diagonal
+  const Eigen::VectorXd pulled = factor.solve(residuals[0]);
   for (Eigen::Index i = 0; i < off_.size(); ++i) {
-    const double left_out = pulled[i] / inverse(i, i);
-    if (squared(left_out) * inverse(i, i) > squared(kFarOff)) off_[i] += squared(left_out);
+    const double left_out = pulled[i] / inverse[i];
+    if (squared(left_out) * inverse[i] > squared(kFarOff)) off_[i] += squared(left_out);
   }
   factorise();
 }
