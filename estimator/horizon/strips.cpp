@@ -116,8 +116,16 @@ void find_edges(const HorizonPixels& scene, HorizonStrip& strip) {
 
 }  // namespace
 
+HorizonPixels::HorizonPixels(const Camera& of_camera, const Image<Rgb8>& of_picture, const Image<std::uint8_t>& of_sky)
+    : camera(of_camera), picture(of_picture), sky(of_sky) {
+  for (std::size_t i = 0; i < light_of_level.size(); ++i)
+    light_of_level[i] = camera.response.to_light(glm::dvec3{static_cast<double>(i)} / 255.0);
+}
+
 glm::dvec3 HorizonPixels::light_at(int x, int y) const {
-  return camera.light_at({x, y}, glm::dvec3(picture.at(x, y)) / 255.0);
+  const Rgb8& encoded = picture.at(x, y);
+  const glm::dvec3 light{light_of_level[encoded.r].r, light_of_level[encoded.g].g, light_of_level[encoded.b].b};
+  return light / (camera.vignetting.at({x, y}) * camera.white_balance);
 }
 
 glm::dvec3 HorizonPixels::log_step_at(int x, int y) const {

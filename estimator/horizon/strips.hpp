@@ -1,6 +1,7 @@
 // A scene's sky from the top down to its lowest part, strip by strip across the view.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "base/image.hpp"
@@ -11,9 +12,12 @@
 namespace kasumi {
 
 struct HorizonPixels {
+  HorizonPixels(const Camera& camera, const Image<Rgb8>& picture, const Image<std::uint8_t>& sky);
+
   const Camera& camera;
   const Image<Rgb8>& picture;
   const Image<std::uint8_t>& sky;  // 255 where sky
+  std::array<glm::dvec3, 256> light_of_level;
 
   glm::dvec3 light_at(int x, int y) const;
   glm::dvec3 log_step_at(int x, int y) const;  // one step of the encoded values, as ln light
