@@ -9,61 +9,11 @@
 #include <glm/geometric.hpp>
 
 #include "estimator/turbidity/element_maps.hpp"
+#include "estimator/turbidity/expected_elements.hpp"
 
 namespace kasumi {
 
 namespace {
-
-// The sky that is expected at a direction, of luminance and colour: the form's, over the model's.
-class ClearExpectation {
- public:
-  ClearExpectation(const ClearForm& form, const ClearFormFit& sky, const ExpectedLook& model)
-      : form_(form), sky_(sky), model_(model) {}
-  glm::vec2 at(const glm::vec3& direction) const {
-    const ClearForm::Terms terms = form_.at(direction);
-    const glm::vec2 by_form{sky_.luminance_at(terms), sky_.colour_at(terms)};
-    return model_ ? by_form + model_(Direction(direction)) : by_form;
-  }
-
- private:
-  const ClearForm& form_;
-  const ClearFormFit& sky_;
-  const ExpectedLook& model_;
-};
-
-// The same for every element: on a lattice and between its nodes; near the sun, where it is curved, as it is.
-class ExpectedElements {
- public:
-  ExpectedElements(const ElementGeometry& geometry, const SunDirection& sun, const ClearExpectation& sky)
-      : geometry_(geometry), sky_(sky), sun_(sun) {
-    const Image<glm::vec3>& direction = geometry.direction;
-    nodes_ = Image<glm::vec2>((direction.width() + kStep - 1) / kStep + 1, (direction.height() + kStep - 1) / kStep + 1,
-                              glm::vec2{std::numeric_limits<float>::quiet_NaN()});
-    for (int j = 0; j < nodes_.height(); ++j)
-      for (int i = 0; i < nodes_.width(); ++i) {
-        const int x = i * kStep, y = j * kStep;
-        if (direction.contains(x, y) && direction.at(x, y).z > kLowest) nodes_.at(i, j) = sky.at(direction.at(x, y));
-      }
-  }
-  glm::vec2 at(int x, int y) const {
-    const glm::vec3& direction = geometry_.direction.at(x, y);
-    if (glm::dot(direction, sun_) > kCurved) return sky_.at(direction);
-    const int i = x / kStep, j = y / kStep;
-    const float u = static_cast<float>(x % kStep) / kStep, v = static_cast<float>(y % kStep) / kStep;
-    const glm::vec2 between = (1.0f - v) * ((1.0f - u) * nodes_.at(i, j) + u * nodes_.at(i + 1, j)) +
-                              v * ((1.0f - u) * nodes_.at(i, j + 1) + u * nodes_.at(i + 1, j + 1));
-    return std::isfinite(between.x) ? between : sky_.at(direction);
-  }
-
- private:
-  static constexpr int kStep = 4;          // elements between nodes: clear sky is smooth over a degree
-  static constexpr float kLowest = 0.1f;   // sine of the elevation
-  static constexpr float kCurved = 0.97f;  // cosine of 14 deg
-  const ElementGeometry& geometry_;
-  const ClearExpectation& sky_;
-  glm::vec3 sun_;
-  Image<glm::vec2> nodes_;
-};
 
 // `if_cloud`: weight to begin with of what `begin` calls cloud.
 std::vector<LookedAt> places_to_fit(const ElementLooks& looks, const ElementGeometry& geometry,
@@ -134,20 +84,25 @@ ClearAir mask_all_but_clear_air(ElementLight& sky, const ElementLooks& looks, co
   const float luminance_limit = limit_of(air.luminance_scatter, limits.most_luminance),
               colour_limit = limit_of(air.colour_scatter, limits.most_colour);
   constexpr float kOfStep = 0.3f;  // what the mean of nine elements leaves of the quantisation
-  const ClearExpectation expected_sky(form, *by_form, expected);
-  const ExpectedElements elements(geometry, sun, expected_sky);
+  ExpectedElements elements(geometry, sun, [&](const glm::vec3& direction) {
+    const ClearForm::Terms terms = form.at(direction);
+    const glm::vec2 here{by_form->luminance_at(terms), by_form->colour_at(terms)};
+    return expected ? here + expected(Direction(direction)) : here;
+  });
   constexpr float kFar = 3.0f;  // limits: no noise, even of a single element
   cv::Mat1b marked(looks.known.size(), std::uint8_t{0}), far(looks.known.size(), std::uint8_t{0});
-  for (int y = 0; y < marked.rows; ++y)
+  for (int y = 0; y < marked.rows; ++y) {
+    elements.begin_row(y);
     for (int x = 0; x < marked.cols; ++x) {
       if (looks.known(y, x) == 0.0f) continue;
-      const glm::vec2 by = elements.at(x, y);
+      const glm::vec2 by = elements.at(x);
       const float over =
           std::max(std::abs(looks.luminance(y, x) - by.x) / (luminance_limit + kOfStep * looks.luminance_step(y, x)),
                    std::abs(looks.colour(y, x) - by.y) / (colour_limit + kOfStep * looks.colour_step(y, x)));
       if (over > 1.0f || looks.texture(y, x) > rough) marked(y, x) = 1;
       if (over > kFar || looks.alone(y, x) != 0) far(y, x) = 1;
     }
+  }
 
   const cv::Mat1b grown = grown_over_soft_edges(marked);
   double clear = 0.0, all = 0.0;

@@ -21,21 +21,91 @@ float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
   return sum;
 }
 
-bool solve_form(const std::vector<LookedAt>& places, ClearFormFit& sky) {
+constexpr std::size_t kLane = 4;  // of a vector; loops over so many become one
+constexpr std::size_t kSpline = 4, kSlow = ClearForm::kSlow, kRadial = ClearForm::kRadial;
+
+// A place without the zeros among its terms: around any distance from the sun four splines are not 0.
+struct FormRow {
+  std::size_t span = 0;  // the first of them
+  std::array<float, kSpline> radial{};
+  std::array<float, kSlow> slow{};
+  float luminance = 0.0f, colour = 0.0f, weight = 0.0f;
+};
+
+FormRow row_of(const LookedAt& p) {
+  FormRow row;
+  while (row.span + kSpline < kRadial && p.terms[row.span] == 0.0f) ++row.span;
+  std::copy_n(p.terms.begin() + static_cast<std::ptrdiff_t>(row.span), kSpline, row.radial.begin());
+  std::copy_n(p.terms.begin() + kRadial, kSlow, row.slow.begin());
+  row.luminance = p.luminance;
+  row.colour = p.colour;
+  row.weight = p.weight;
+  return row;
+}
+
+float sum_of(const FormRow& row, const ClearForm::Terms& factors) {
+  std::array<float, kLane> part{};
+  for (std::size_t l = 0; l < kLane; ++l) part[l] = row.radial[l] * factors[row.span + l];
+  for (std::size_t k = 0; k < kSlow; k += kLane)
+    for (std::size_t l = 0; l < kLane; ++l) part[l] += row.slow[k + l] * factors[kRadial + k + l];
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
+// Sums over some places of products of their terms, and of these with luminance and colour.
+struct FormSums {
+  std::array<float, kRadial * kSpline> radial{};    // of a spline and those from itself on
+  std::array<float, kRadial * kSlow> mixed{};       // of a spline and the slow terms
+  std::array<float, kSlow * kSlow> slow{};          // from the diagonal's lane on
+  std::array<float, kTerms> luminance{}, colour{};  // of all terms
+};
+
+void add_row(FormSums& sums, const FormRow& row) {
+  for (std::size_t i = 0; i < kSpline; ++i) {
+    const float w = row.weight * row.radial[i];
+    const std::size_t at = row.span + i;
+    sums.luminance[at] += w * row.luminance;
+    sums.colour[at] += w * row.colour;
+    for (std::size_t j = i; j < kSpline; ++j) sums.radial[at * kSpline + j - i] += w * row.radial[j];
+    float* mixed = sums.mixed.data() + at * kSlow;
+    for (std::size_t j = 0; j < kSlow; ++j) mixed[j] += w * row.slow[j];
+  }
+  const float light = row.weight * row.luminance, colour = row.weight * row.colour;
+  for (std::size_t j = 0; j < kSlow; ++j) sums.luminance[kRadial + j] += light * row.slow[j];
+  for (std::size_t j = 0; j < kSlow; ++j) sums.colour[kRadial + j] += colour * row.slow[j];
+  for (std::size_t i = 0; i < kSlow; ++i) {
+    const float w = row.weight * row.slow[i];
+    float* slow = sums.slow.data() + i * kSlow;
+    for (std::size_t j = i / kLane * kLane; j < kSlow; j += kLane)
+      for (std::size_t l = 0; l < kLane; ++l) slow[j + l] += w * row.slow[j + l];
+  }
+}
+
+bool solve_form(const std::vector<FormRow>& places, ClearFormFit& sky) {
   constexpr double kStiffness = 1e-7;  // keeps factors finite where no place determines them
+  constexpr std::size_t kBlock = 64;   // places: single precision adds so many without loss
   std::array<double, kTerms * kTerms> normal{};
   std::array<double, kTerms> y{}, c{};
   double all = 0.0;
-  for (const LookedAt& p : places) {
-    if (p.weight <= 0.0f) continue;
-    all += static_cast<double>(p.weight);
-    for (std::size_t i = 0; i < kTerms; ++i) {
-      const float w = p.weight * p.terms[i];
-      if (w == 0.0f) continue;
-      y[i] += static_cast<double>(w * p.luminance);
-      c[i] += static_cast<double>(w * p.colour);
-      for (std::size_t j = i; j < kTerms; ++j) normal[i * kTerms + j] += static_cast<double>(w * p.terms[j]);
+  for (std::size_t from = 0; from < places.size(); from += kBlock) {
+    FormSums sums;
+    for (std::size_t k = from; k < std::min(from + kBlock, places.size()); ++k) {
+      if (places[k].weight <= 0.0f) continue;
+      all += static_cast<double>(places[k].weight);
+      add_row(sums, places[k]);
     }
+    for (std::size_t i = 0; i < kTerms; ++i) {
+      y[i] += static_cast<double>(sums.luminance[i]);
+      c[i] += static_cast<double>(sums.colour[i]);
+    }
+    for (std::size_t i = 0; i < kRadial; ++i) {
+      for (std::size_t j = i; j < std::min(i + kSpline, kRadial); ++j)
+        normal[i * kTerms + j] += static_cast<double>(sums.radial[i * kSpline + j - i]);
+      for (std::size_t j = 0; j < kSlow; ++j)
+        normal[i * kTerms + kRadial + j] += static_cast<double>(sums.mixed[i * kSlow + j]);
+    }
+    for (std::size_t i = 0; i < kSlow; ++i)
+      for (std::size_t j = i; j < kSlow; ++j)
+        normal[(kRadial + i) * kTerms + kRadial + j] += static_cast<double>(sums.slow[i * kSlow + j]);
   }
   if (all <= 4.0 * kTerms) return false;
   constexpr int n = kTerms;  // short for the matrices below
@@ -102,25 +172,28 @@ float ClearFormFit::colour_at(const ClearForm::Terms& terms) const {
   return sum_of(terms, colour);
 }
 
-std::optional<ClearFormFit> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& windows) {
+std::optional<ClearFormFit> fit_clear_form(const std::vector<LookedAt>& places, const ClearFormWindow& windows) {
   constexpr float kPerColour = 1.5f;  // of ln R/B: colour separates better than light
   ClearFormFit sky;
+  std::vector<FormRow> rows;
+  rows.reserve(places.size());
+  for (const LookedAt& p : places) rows.push_back(row_of(p));
   float window = windows.widest;
   for (int round = 0; round < windows.rounds; ++round) {
-    if (!solve_form(places, sky)) return std::nullopt;
-    for (LookedAt& p : places) {
-      const float dy = (p.luminance - sky.luminance_at(p.terms)) / window;
-      const float dc = kPerColour * (p.colour - sky.colour_at(p.terms)) / window;
+    if (!solve_form(rows, sky)) return std::nullopt;
+    for (FormRow& p : rows) {
+      const float dy = (p.luminance - sum_of(p, sky.luminance)) / window;
+      const float dc = kPerColour * (p.colour - sum_of(p, sky.colour)) / window;
       const float u = std::max(0.0f, 1.0f - dy * dy - dc * dc);
       p.weight = u * u;
     }
     window = std::max(windows.narrowest, 0.75f * window);
   }
   std::vector<float> dy, dc;
-  for (const LookedAt& p : places) {
+  for (const FormRow& p : rows) {
     if (p.weight <= 0.0f) continue;
-    dy.push_back(std::abs(p.luminance - sky.luminance_at(p.terms)));
-    dc.push_back(std::abs(p.colour - sky.colour_at(p.terms)));
+    dy.push_back(std::abs(p.luminance - sum_of(p, sky.luminance)));
+    dc.push_back(std::abs(p.colour - sum_of(p, sky.colour)));
   }
   if (dy.size() <= 4 * kTerms) return std::nullopt;
   sky.luminance_scatter = static_cast<float>(kSigmaOverMedianSize) * median_in_place(dy);

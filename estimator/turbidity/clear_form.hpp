@@ -53,6 +53,6 @@ struct ClearFormWindow {
 
 // The sky that most places agree on in luminance and colour at once: least squares with Tukey's weights, whose window
 // narrows. Empty when too few agree.
-std::optional<ClearFormFit> fit_clear_form(std::vector<LookedAt> places, const ClearFormWindow& window = {});
+std::optional<ClearFormFit> fit_clear_form(const std::vector<LookedAt>& places, const ClearFormWindow& window = {});
 
 }  // namespace kasumi

@@ -155,6 +155,8 @@ std::vector<glm::ivec2> draw_elements(const ElementLight& sky, const ElementGeom
                                       std::mt19937_64& random) {
   std::vector<glm::ivec2> clear;
   std::vector<double> up_to;  // cumulative solid angle of the elements
+  clear.reserve(sky.use.elements().size());
+  up_to.reserve(sky.use.elements().size());
   double sum = 0.0;
   for (int y = 0; y < sky.use.height(); ++y)
     for (int x = 0; x < sky.use.width(); ++x) {

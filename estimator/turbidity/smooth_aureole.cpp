@@ -14,6 +14,7 @@
 #include "base/statistics.hpp"
 #include "estimator/turbidity/clear_form.hpp"
 #include "estimator/turbidity/element_looks.hpp"
+#include "estimator/turbidity/expected_elements.hpp"
 
 namespace kasumi {
 
@@ -75,17 +76,22 @@ Differences differences(const ElementLooks& looks, const ElementLight& light, co
   const cv::Mat1b none(looks.known.size(), std::uint8_t{0});
   Differences found{none.clone(), cv::Mat1f(looks.known.size(), 0.0f), {}, {}, {}};
   cv::Mat1f& by = found.by;
-  for (int y = 0; y < none.rows; ++y)
+  ExpectedElements elements(geometry, sun, [&](const glm::vec3& direction) {
+    const ClearForm::Terms terms = form.at(direction);
+    return glm::vec2{sky.luminance_at(terms), sky.colour_at(terms)};
+  });
+  for (int y = 0; y < none.rows; ++y) {
+    elements.begin_row(y);
     for (int x = 0; x < none.cols; ++x) {
       const bool known = looks.known(y, x) != 0.0f;
       if (!known && light.use.at(x, y) != PixelUse::saturated) continue;
       const glm::vec3& direction = geometry.direction.at(x, y);
-      const ClearForm::Terms terms = form.at(direction);
+      const glm::vec2 expected = elements.at(x);
       if (known) {
         const float step = looks.luminance_step(y, x);
-        by(y, x) = std::max(
-            std::abs(looks.luminance(y, x) - sky.luminance_at(terms)) / (luminance_limit + 0.6f * step),
-            std::abs(looks.colour(y, x) - sky.colour_at(terms)) / (colour_limit + 0.6f * looks.colour_step(y, x)));
+        by(y, x) =
+            std::max(std::abs(looks.luminance(y, x) - expected.x) / (luminance_limit + 0.6f * step),
+                     std::abs(looks.colour(y, x) - expected.y) / (colour_limit + 0.6f * looks.colour_step(y, x)));
         const bool textured = looks.texture(y, x) > rough + 0.3f * step;
         if (textured) by(y, x) = kTextured;
         found.textured.count(textured);
@@ -94,13 +100,14 @@ Differences differences(const ElementLooks& looks, const ElementLight& light, co
         constexpr float kDarker = 0.1f;
         const glm::vec3 least(camera.response.to_light(glm::dvec3(picture.encoded.at(x, y))));
         const float least_luminance = glm::dot(luminance_of, least * geometry.gain.at(x, y));
-        by(y, x) = (std::log(least_luminance) - sky.luminance_at(terms)) / kDarker;
+        by(y, x) = (std::log(least_luminance) - expected.x) / kDarker;
       }
       found.compared(y, x) = 1;
       if (glm::dot(direction, towards_sun) < around) continue;
       found.agreeing.count(by(y, x) <= 1.0f);
       if (use.at(x, y) == PixelUse::clear) found.still_agreeing.count(by(y, x) <= 1.0f);
     }
+  }
   return found;
 }
 
