@@ -165,12 +165,9 @@ void look_at_sun(ColourStatistics& look, const SkyPicture& picture, const Elemen
   look.sun_hidden = brightest <= kBright;
 }
 
-}  // namespace
-
-ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
-                         const SunDirection& sun) {
+ColourStatistics colours_of_places(const std::vector<Place>& places, const SkyPicture& picture,
+                                   const ElementGeometry& geometry, const SunDirection& sun) {
   ColourStatistics look;
-  const std::vector<Place> places = sky_places(cells_of(geometry, light));
   look.places = static_cast<int>(places.size());
   look_at_sun(look, picture, geometry, sun);
   if (look.places < kFewestPlaces) return look;
@@ -179,8 +176,22 @@ ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geome
   for (const Place& p : places) colours.push_back(p.colour);
   look.bluest = static_cast<double>(quantile_in_place(colours, 0.1));
   look.colour_span = static_cast<double>(quantile_in_place(colours, 0.9)) - look.bluest;
-  compare_with_form(look, places, sun);
   return look;
+}
+
+}  // namespace
+
+ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
+                         const SunDirection& sun) {
+  const std::vector<Place> places = sky_places(cells_of(geometry, light));
+  ColourStatistics look = colours_of_places(places, picture, geometry, sun);
+  if (look.places >= kFewestPlaces) compare_with_form(look, places, sun);
+  return look;
+}
+
+ColourStatistics colours_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
+                            const SunDirection& sun) {
+  return colours_of_places(sky_places(cells_of(geometry, light)), picture, geometry, sun);
 }
 
 }  // namespace kasumi

@@ -22,4 +22,8 @@ constexpr int kFewestPlaces = 150;  // fewer do not show a sky's form, which has
 ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
                          const SunDirection& sun);
 
+// The same without what is compared with one smooth sky, which takes most of the time: `smooth` and `cover` stay 0.
+ColourStatistics colours_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
+                            const SunDirection& sun);
+
 }  // namespace kasumi

@@ -14,6 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/picture_files/picture_file.hpp"
+#include "base/picture_files/small_jpeg.hpp"
 #include "base/picture_header.hpp"
 
 namespace kasumi {
@@ -156,6 +157,47 @@ TEST(PictureFiles, JpegsAreReadAsOpenCvReadsThem) {
       ASSERT_TRUE(read) << read.error().message;
       expect_as_opencv_reads_it(*read, file, fmt::format("{} channels, progressive {}", channels, progressive));
     }
+}
+
+TEST(PictureFiles, AJpegAtAnEighthHasTheMeansOfItsPixels) {
+  constexpr int kWidth = 61, kHeight = 43;  // no multiples of 8
+  const Bytes samples = samples_of(kWidth, kHeight, 3, 8);
+  const cv::Mat picture(kHeight, kWidth, CV_8UC3, const_cast<std::uint8_t*>(samples.data()));
+  Bytes file;
+  ASSERT_TRUE(cv::imencode(".jpg", picture, file, {cv::IMWRITE_JPEG_QUALITY, 90}));
+  const auto whole = decode_jpeg_file(file);
+  ASSERT_TRUE(whole);
+  EXPECT_TRUE(whole->whole);
+  const auto small = decode_small_jpeg(file);
+  ASSERT_TRUE(small);
+  ASSERT_EQ(small->width, (kWidth + 7) / 8);
+  ASSERT_EQ(small->height, (kHeight + 7) / 8);
+  for (int y = 0; y < kHeight / 8; ++y)
+    for (int x = 0; x < kWidth / 8; ++x)
+      for (int c = 0; c < 3; ++c) {
+        double sum = 0.0;
+        for (int j = 8 * y; j < 8 * y + 8; ++j)
+          for (int i = 8 * x; i < 8 * x + 8; ++i)
+            sum += whole->samples[static_cast<std::size_t>((j * kWidth + i) * 3 + c)];
+        const int here = small->samples[static_cast<std::size_t>((y * small->width + x) * 3 + c)];
+        EXPECT_NEAR(here, sum / 64.0, 3.0) << x << ' ' << y << ' ' << c;  // chroma is shared by 2 x 2 of them
+      }
+}
+
+TEST(PictureFiles, WhatIsMissingOfAJpegIsSeenWhileItIsDecoded) {
+  const Bytes samples = samples_of(160, 120, 3, 8);
+  const cv::Mat picture(120, 160, CV_8UC3, const_cast<std::uint8_t*>(samples.data()));
+  Bytes file, progressive;
+  ASSERT_TRUE(cv::imencode(".jpg", picture, file));
+  ASSERT_TRUE(cv::imencode(".jpg", picture, progressive, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  const Bytes cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(file.size() * 2 / 3));
+  const auto read = decode_jpeg_file(cut);
+  ASSERT_TRUE(read) << "the rest is made grey";
+  EXPECT_FALSE(read->whole);
+  EXPECT_FALSE(decode_small_jpeg(cut));
+  EXPECT_FALSE(decode_small_jpeg(progressive)) << "not as cameras write it";
+  EXPECT_FALSE(decode_small_jpeg(written_cmyk(16, 16)));
+  EXPECT_FALSE(decode_small_jpeg({}));
 }
 
 TEST(PictureFiles, WhatIsDamagedIsRefusedInWords) {

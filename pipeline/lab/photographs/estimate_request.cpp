@@ -147,6 +147,7 @@ std::string words_of_answers(const CLI::App& command) {
 
 Result<PhotographSetup> photograph_setup(const EstimateRequest& arguments) {
   PhotographSetup options;
+  options.first_look = !arguments.plot && arguments.plot_dir.empty();  // of the whole picture
   Problems problems;
   if (!arguments.calibration.empty())
     if (auto read = read_calibration(arguments.calibration, options); !read) problems.add("{}", read.error().message);

@@ -12,6 +12,7 @@
 #include "estimator/turbidity/sky_picture.hpp"
 #include "estimator/turbidity/sky_verdict.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
+#include "pipeline/site/files/small_photograph.hpp"
 
 namespace kasumi {
 
@@ -22,8 +23,10 @@ bool same(const std::optional<ImageCircle>& a, const ImageCircle& b) {
 }
 
 constexpr double kSigmaOfKnownTone = 0.02, kSigmaOfKnownRim = 0.05;
-constexpr double kOtherPlace_m = 25'000.0;         // the sun stands .2 deg elsewhere
-constexpr double kNightByTime = 0.99;              // one clock in a hundred is half a day off
+constexpr double kOtherPlace_m = 25'000.0;  // the sun stands .2 deg elsewhere
+constexpr double kNightByTime = 0.99;       // one clock in a hundred is half a day off
+constexpr double kSurelyClosed = 0.97;      // cloud fraction; overcast is from .93 on
+constexpr const char* kNotLookedFor = "; not looked for in the picture";
 constexpr Radians kWrongSun = from_degrees(15.0);  // seen so far from where it is given: that is not the sky's sun
 
 double distance_m(const Site& site, double latitude_deg, double longitude_deg) {
@@ -38,6 +41,27 @@ double distance_m(const Site& site, double latitude_deg, double longitude_deg) {
 ImageCircle in_own_pixels(ImageCircle circle, double pixel_aspect) {
   circle.centre.x /= pixel_aspect;
   return circle;
+}
+
+// Of means over the pixels of kSmallPhotographShrink, as many of them as a first look needs.
+SkyPicture coarse_picture(Image<glm::vec3> encoded) {
+  constexpr int kLargestSide = 160;  // elements: a degree of the sky
+  SkyPicture picture;
+  const int step = (std::max(encoded.width(), encoded.height()) + kLargestSide - 1) / kLargestSide;
+  const int offset = (step - 1) / 2;
+  picture.step = kSmallPhotographShrink * step;
+  picture.first = glm::dvec2{kSmallPhotographShrink * offset + 0.5 * (kSmallPhotographShrink - 1)};
+  picture.quantum = 1.0 / 255.0;
+  if (step == 1) {
+    picture.encoded = std::move(encoded);
+    return picture;
+  }
+  picture.encoded =
+      Image<glm::vec3>((encoded.width() - offset + step - 1) / step, (encoded.height() - offset + step - 1) / step);
+  for (int y = 0; y < picture.encoded.height(); ++y)
+    for (int x = 0; x < picture.encoded.width(); ++x)
+      picture.encoded.at(x, y) = encoded.at(offset + x * step, offset + y * step);
+  return picture;
 }
 
 // Refusals that depend on where in the picture the sun is.
@@ -188,11 +212,46 @@ bool PhotographEstimator::answer_by_night(const SunGiven& given, PhotographRepor
   report.sun.direction = report.sun.by_time_and_place = given.direction;
   report.sun.in_camera = *given.direction;
   report.sun.azimuth_up = given.azimuth_up;
-  report.sun.told = given.by + "; not looked for in the picture";
+  report.sun.told = given.by + kNotLookedFor;
   return true;
 }
 
+std::optional<PhotographReport> PhotographEstimator::by_first_look(const std::filesystem::path& file,
+                                                                   std::optional<Utc> utc) {
+  if (!options_.calibrated || !options_.first_look || options_.sun_from_image) return std::nullopt;
+  const Camera& camera = *options_.calibrated;
+  auto small = read_small_photograph(file);
+  if (!small || small->width != camera.width || small->height != camera.height) return std::nullopt;
+  PhotographReport report;
+  report.taken = small->taken;
+  report.tone = options_.tone;
+  place(report, utc);
+  const SunGiven given = sun_given(report, nullptr);
+  if (answer_by_night(given, report)) return report;
+  if (!given.direction) return std::nullopt;
+
+  const SkyPicture coarse = coarse_picture(std::move(small->encoded));
+  if (!first_look_) first_look_.emplace(camera);
+  const auto refused = first_look_->refuse(coarse, *given.direction, estimate_options(report));
+  if (!refused) return std::nullopt;
+  report.cover = cloud_cover(coarse, camera, given.direction, first_directions_);
+  const bool closed = report.cover.sky == CoverClass::overcast && report.cover.fraction > kSurelyClosed;
+  if (refused->sky == SkyCondition::overcast && !closed) return std::nullopt;
+  auto& estimate = report.look.estimate;
+  estimate.sun = *given.direction;
+  estimate.sky = refused->sky;
+  estimate.reason = refused->reason;
+  report.look.sky = estimate_options(report).sky;
+  report.sun.direction = report.sun.by_time_and_place = given.direction;
+  report.sun.in_camera = *given.direction;
+  report.sun.azimuth_up = given.azimuth_up;
+  report.sun.told = given.by + kNotLookedFor;
+  report.picture = coarse;
+  return report;
+}
+
 Result<PhotographReport> PhotographEstimator::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
+  if (auto seen = by_first_look(file, utc)) return std::move(*seen);
   PhotographReport report;
   auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr, &report.taken);
   if (!photograph) return fail(photograph.error());

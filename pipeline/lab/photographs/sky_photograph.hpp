@@ -12,6 +12,7 @@
 #include "calib/mask/image_circle.hpp"
 #include "estimator/cloud_cover/cloud_cover.hpp"
 #include "estimator/sky_fit/tone_curve.hpp"
+#include "estimator/turbidity/first_look.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/lab/photographs/camera_memory.hpp"
 #include "pipeline/lab/photographs/photographed_sun.hpp"
@@ -42,6 +43,9 @@ struct PhotographSetup {
   std::optional<Utc> utc;           // of pictures without a time of their own
   bool sun_from_image = false;
   bool allow_damaged = false;  // pictures: what is left of them is used
+  // By a calibrated camera: night and closed skies may be told from the picture at an eighth of its size, where that
+  // leaves no doubt. Off: report.picture is always the whole.
+  bool first_look = true;
 
   EstimateParameters estimate;
 };
@@ -87,6 +91,8 @@ class PhotographEstimator {
  private:
   Result<PhotographReport> estimate_of(const std::filesystem::path& file, Photograph photograph,
                                        PhotographReport report, std::optional<Utc> utc);
+  // Empty: one must look closer.
+  std::optional<PhotographReport> by_first_look(const std::filesystem::path& file, std::optional<Utc> utc);
   // Time and place of the call, else the file's, where the sun follows from them.
   void place(PhotographReport& report, std::optional<Utc> utc) const;
   double altitude_m(const PhotographReport& report) const;
@@ -107,6 +113,8 @@ class PhotographEstimator {
   std::optional<ImageCircle> observed_circle_;
   std::optional<SkyObserver> observer_;
   std::shared_ptr<const PixelDirections> directions_;  // of the observer's camera
+  std::optional<FirstLook> first_look_;
+  std::shared_ptr<const PixelDirections> first_directions_;
 };
 
 }  // namespace kasumi

@@ -2,8 +2,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+#include "base/files.hpp"
+#include "calib/colour/colorimetry.hpp"
+#include "capture/codec/encode.hpp"
+#include "estimator/sky/preetham.hpp"
 #include "pipeline/lab/photographs/sky_photograph.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/alpnach.hpp"
@@ -81,6 +90,91 @@ TEST(SkyPhotograph, ACoveredLensIsRefusedWithItsReason) {
   const auto report = photographs.estimate_from(generated(recipe, "covered"), std::nullopt).value();
   EXPECT_FALSE(report.look.estimate.usable);
   EXPECT_EQ(report.look.estimate.sky, SkyCondition::covered_lens) << report.look.estimate.reason;
+}
+
+// By a calibrated camera, of a JPEG: what `light` says of a direction, with a sensor's noise.
+struct FirstLookScene {
+  PhotographSetup options;
+  std::filesystem::path file;
+  template <class Light>
+  FirstLookScene(const std::string& name, const SunDirection& sun, const Light& light) {
+    constexpr int kSide = 480;
+    Camera camera;
+    camera.name = "sky";
+    camera.width = camera.height = kSide;
+    const double middle = 0.5 * (kSide - 1), half = from_degrees(92.0).value;
+    camera.lens = equidistant_lens({middle, middle}, 0.5 * kSide / half, {half});
+    camera.to_world = camera_to_world(from_degrees(180.0), from_degrees(90.0), {0.0});
+    Image<Rgb8> pixels(kSide, kSide);
+    std::uint32_t state = 1;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const auto view = camera.direction_at({x, y});
+        if (!view || view->z <= 0.0) continue;
+        const glm::dvec3 level = 255.0 * camera.response.to_encoded(light(*view));
+        for (int c = 0; c < 3; ++c) {
+          state = state * 1664525u + 1013904223u;
+          const double noise = static_cast<int>(state >> 24) % 9 - 4;
+          pixels.at(x, y)[c] = static_cast<std::uint8_t>(std::clamp(level[c] + noise, 0.0, 255.0));
+        }
+      }
+    file = test_folder("skies") / (name + ".jpg");
+    std::filesystem::create_directories(file.parent_path());
+    EXPECT_TRUE(write_file(file, must(encode_jpeg(pixels, 90, ChromaSubsampling::s420)).value()));
+    options.calibrated = camera;
+    options.sun = sun;
+    options.estimate.sky.every_model = true;
+  }
+  PhotographReport report(bool first_look) const {
+    PhotographSetup setup = options;
+    setup.first_look = first_look;
+    return must(PhotographEstimator(setup).estimate_from(file, std::nullopt)).value();
+  }
+};
+
+TEST(SkyPhotograph, AFirstLookSaysOfClosedSkiesWhatTheWholePictureDoes) {
+  const SunDirection sun = direction_from(from_degrees(50.0), from_degrees(180.0));
+  // Moon and Spencer's overcast sky, a third as bright at the horizon as above, a little bluish; fog.
+  const auto overcast = [](const Direction& view) {
+    return 0.45 * (1.0 + 2.0 * view.z) / 3.0 * glm::dvec3{0.97, 1.0, 1.04};
+  };
+  const auto covered = [](const Direction&) { return glm::dvec3{0.3, 0.3, 0.3}; };
+  const FirstLookScene skies[] = {{"overcast", sun, overcast}, {"covered-jpeg", sun, covered}};
+  const SkyCondition expected[] = {SkyCondition::overcast, SkyCondition::covered_lens};
+  for (const int i : {0, 1}) {
+    const PhotographReport first = skies[i].report(true), whole = skies[i].report(false);
+    EXPECT_EQ(whole.look.estimate.sky, expected[i]) << whole.look.estimate.reason;
+    EXPECT_EQ(first.look.estimate.sky, expected[i]) << first.look.estimate.reason;
+    EXPECT_FALSE(first.look.estimate.usable);
+    EXPECT_EQ(first.cover.sky, whole.cover.sky);
+    EXPECT_EQ(first.cover.fraction.has_value(), whole.cover.fraction.has_value());
+    EXPECT_NEAR(first.cover.fraction.value_or(1.0), whole.cover.fraction.value_or(1.0), 0.03);
+    // It was by a first look indeed.
+    ASSERT_TRUE(first.picture);
+    EXPECT_EQ(first.picture->encoded.width(), 60);
+    EXPECT_EQ(whole.picture->encoded.width(), 240);
+  }
+}
+
+TEST(SkyPhotograph, AFirstLookLeavesClearSkiesAndShiningSunsToTheWholePicture) {
+  const SunDirection sun = direction_from(from_degrees(50.0), from_degrees(180.0));
+  const PreethamSky model({3.0}, sun);
+  const glm::dmat3 to_light = glm::inverse(srgb_to_xyz());
+  const auto clear = [&](const Direction& view) {
+    return glm::clamp(0.1 * (to_light * model.relative_xyz(view)), glm::dvec3{0.0}, glm::dvec3{1.0});
+  };
+  // Through thin grey cloud, 3 deg across.
+  const auto veiled = [&](const Direction& view) {
+    const double disc = angle_between(view, sun) < from_degrees(1.5) ? 0.9 : 0.0;
+    return glm::dvec3{std::min(1.0, 0.2 + 0.1 * view.z + disc)};
+  };
+  for (const FirstLookScene& sky :
+       {FirstLookScene("clear-jpeg", sun, clear), FirstLookScene("veiled-sun", sun, veiled)}) {
+    const PhotographReport first = sky.report(true), whole = sky.report(false);
+    EXPECT_EQ(first.picture->encoded.width(), 240);
+    EXPECT_EQ(first.look.estimate.turbidity.value, whole.look.estimate.turbidity.value);
+    EXPECT_EQ(first.look.estimate.reason, whole.look.estimate.reason);
+  }
 }
 
 // A real winter sky over Alpnach; details are in the data's README.
