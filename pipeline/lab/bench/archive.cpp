@@ -11,8 +11,8 @@
 #include "capture/codec/encode.hpp"
 #include "pipeline/lab/bench/bench.hpp"
 #include "pipeline/lab/bench/drawn_sky.hpp"
-#include "pipeline/lab/photographs/kept_memory.hpp"
 #include "pipeline/lab/photographs/sky_photograph.hpp"
+#include "pipeline/lab/photographs/steady_worker.hpp"
 
 namespace kasumi {
 namespace {
@@ -126,7 +126,7 @@ Result<std::vector<BenchRow>> archive_rows(const std::filesystem::path& folder) 
 }  // namespace
 
 Result<std::vector<BenchRow>> bench_archive() {
-  keep_freed_memory();
+  prepare_steady_work();
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("kasumi-bench-{}", ::getpid());
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -17,9 +17,9 @@
 #include "pipeline/lab/photographs/fit_plot.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
 #include "pipeline/lab/photographs/haze_answer.hpp"
-#include "pipeline/lab/photographs/kept_memory.hpp"
 #include "pipeline/lab/photographs/learn_cameras.hpp"
 #include "pipeline/lab/photographs/scan_report.hpp"
+#include "pipeline/lab/photographs/steady_worker.hpp"
 #include "pipeline/lab/photographs/visibility_series.hpp"
 #include "pipeline/log_lines.hpp"
 #include "pipeline/machine/ordered_jobs.hpp"
@@ -340,7 +340,7 @@ Result<int> estimate_pictures(const EstimateRequest& arguments, const std::optio
     return fail(FaultKind::bad_input,
                 "--scene: {} pictures but {} of the sky: expected one for each, in the same order, or none of the sky",
                 scenes->pictures.size(), inputs->count().value_or(0));
-  keep_freed_memory();
+  prepare_steady_work();
   if (!arguments.plot_dir.empty())
     if (auto made = make_folder(arguments.plot_dir); !made) return fail(made.error());
   EstimateTally tally;
