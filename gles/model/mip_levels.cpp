@@ -35,27 +35,78 @@ std::uint8_t encoded(double light) {
   return static_cast<std::uint8_t>(std::ranges::upper_bound(ends, light) - ends.begin());
 }
 
+// The least of 0 .. `most` whose `share` is at least that wanted, which grows with it.
+template <class Share>
+std::size_t least_of(std::size_t most, double wanted, Share share) {
+  std::size_t low = 0, high = most;
+  while (low < high) {
+    const std::size_t middle = low + (high - low) / 2;
+    if (share(middle) < wanted)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
 // Scales a smaller level's alpha until the cutoff leaves the same share as in the full picture. If the texels are too
-// alike for that, keeps that share of the most opaque ones, with ties broken pseudo-randomly.
+// alike for that, lets as many of the most opaque ones stand as leave that share, with ties broken pseudo-randomly.
 void keep_share(Image<glm::u8vec4>& level, double cutoff, double share) {
-  double low = 0.0, high = 16.0;
-  for (int i = 0; i < 20; ++i) {
-    const double middle = 0.5 * (low + high);
-    (share_above(level, cutoff, middle) < share ? low : high) = middle;
-  }
-  const double scale = 0.5 * (low + high);
-  constexpr double kNear = 0.1;
-  if (std::abs(share_above(level, cutoff, scale) - share) < kNear) {
-    for (glm::u8vec4& texel : level.elements()) texel.a = byte(scale * texel.a / 255.0);
-    return;
-  }
-  std::vector<std::size_t> order(level.elements().size());
+  constexpr double kNear = 0.05;  // of what is kept or cut out: wires that cover little must not vanish
+  constexpr double kSteps = 1 << 16, kMostScale = 16.0;
+  const std::vector<glm::u8vec4> before = level.elements();
+  const auto off = [&] { return std::abs(share_above(level, cutoff) - share); };
+  const auto scale = kMostScale / kSteps *
+                     static_cast<double>(least_of(static_cast<std::size_t>(kSteps), share, [&](std::size_t step) {
+                       return share_above(level, cutoff, kMostScale / kSteps * static_cast<double>(step));
+                     }));
+  for (glm::u8vec4& texel : level.elements()) texel.a = byte(scale * texel.a / 255.0);
+  const double off_scaled = off();
+  if (off_scaled <= kNear * std::min(share, 1.0 - share)) return;
+  std::vector<std::size_t> order(before.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::ranges::sort(order, std::greater<>(), [&](std::size_t i) {
-    return std::pair(level.elements()[i].a, static_cast<std::uint32_t>(i + 1) * 2654435761u);  // Knuth's mixing
+    return std::pair(before[i].a, static_cast<std::uint32_t>(i + 1) * 2654435761u);  // Knuth's mixing
   });
-  const auto standing = static_cast<std::size_t>(std::lround(share * static_cast<double>(order.size())));
-  for (std::size_t i = 0; i < order.size(); ++i) level.elements()[order[i]].a = i < standing ? 255 : 0;
+  const auto scaled = level.elements();
+  const auto let_stand = [&](std::size_t standing) {
+    for (std::size_t i = 0; i < order.size(); ++i) level.elements()[order[i]].a = i < standing ? 255 : 0;
+  };
+  const std::size_t enough = least_of(order.size(), share, [&](std::size_t standing) {
+    let_stand(standing);
+    return share_above(level, cutoff);
+  });
+  let_stand(enough);
+  if (const double off_above = off(); enough > 0) {
+    let_stand(enough - 1);
+    if (off() > off_above) let_stand(enough);
+  }
+  if (off() > off_scaled) level.elements() = scaled;
+}
+
+void keep_shares(const Image<glm::u8vec4>& picture, double cutoff, std::vector<Image<glm::u8vec4>>& smaller) {
+  const double share = share_above(picture, cutoff);
+  for (auto& level : smaller) keep_share(level, cutoff, share);
+}
+
+std::vector<Image<glm::u8vec4>> halvings(const Image<glm::u8vec4>& picture, bool data) {
+  std::vector<Image<glm::u8vec4>> levels;
+  for (const auto* last = &picture; last->width() > 1 || last->height() > 1; last = &levels.back())
+    levels.push_back(halved(*last, data));
+  return levels;
+}
+
+// How the model's materials use a texture's alpha.
+struct AlphaUse {
+  bool shown = false, ignored = false;
+};
+AlphaUse alpha_use(const Model& model, int texture) {
+  AlphaUse use;
+  for (const ModelMaterial& material : model.materials) {
+    if (material.texture == texture) (material.alpha == ModelMaterial::Alpha::opaque ? use.ignored : use.shown) = true;
+    use.ignored = use.ignored || material.emission_map.texture == texture;
+  }
+  return use;
 }
 
 }  // namespace
@@ -88,6 +139,7 @@ Image<glm::u8vec4> shrunk(const Image<glm::u8vec4>& picture, int width, int heig
       const glm::dvec3 colour = alpha > 0.0 && !data ? visible / alpha : any / area;
       for (int c = 0; c < 3; ++c) small.at(x, y)[c] = data ? byte(colour[c]) : encoded(colour[c]);
       small.at(x, y).a = byte(alpha / area);
+      if (alpha > 0.0 && !data) small.at(x, y).a = std::max<std::uint8_t>(small.at(x, y).a, 1);  // it has a colour
     }
   return small;
 }
@@ -126,19 +178,35 @@ std::optional<double> cutoff_of(const Model& model, int texture) {
 
 std::vector<Image<glm::u8vec4>> smaller_levels(const Image<glm::u8vec4>& picture, bool data,
                                                std::optional<double> cutoff) {
-  std::vector<Image<glm::u8vec4>> levels;
-  const double share = cutoff ? share_above(picture, *cutoff) : 1.0;
-  for (const auto* last = &picture; last->width() > 1 || last->height() > 1; last = &levels.back()) {
-    levels.push_back(halved(*last, data));
-    if (cutoff) keep_share(levels.back(), *cutoff, share);
-  }
+  auto levels = halvings(picture, data);
+  if (cutoff) keep_shares(picture, *cutoff, levels);
   return levels;
+}
+
+void spread_visible_colours(Image<glm::u8vec4>& picture, std::vector<Image<glm::u8vec4>>& smaller) {
+  for (std::size_t level = smaller.size(); level-- > 0;) {
+    Image<glm::u8vec4>& finer = level > 0 ? smaller[level - 1] : picture;
+    const Image<glm::u8vec4>& coarser = smaller[level];
+    for (int y = 0; y < finer.height(); ++y)
+      for (int x = 0; x < finer.width(); ++x) {
+        glm::u8vec4& texel = finer.at(x, y);
+        if (texel.a == 0)
+          texel = glm::u8vec4(
+              glm::u8vec3(coarser.at(std::min(x / 2, coarser.width() - 1), std::min(y / 2, coarser.height() - 1))), 0);
+      }
+  }
 }
 
 void make_levels(Model& model) {
   for (std::size_t i = 0; i < model.textures.size(); ++i) {
     ModelTexture& texture = model.textures[i];
-    texture.smaller = smaller_levels(texture.pixels, texture.data, cutoff_of(model, static_cast<int>(i)));
+    const AlphaUse use = alpha_use(model, static_cast<int>(i));
+    if (!texture.data && !use.shown)
+      for (glm::u8vec4& texel : texture.pixels.elements()) texel.a = 255;
+    texture.smaller = halvings(texture.pixels, texture.data);
+    if (!texture.data && use.shown && !use.ignored) spread_visible_colours(texture.pixels, texture.smaller);
+    if (const auto cutoff = cutoff_of(model, static_cast<int>(i)))
+      keep_shares(texture.pixels, *cutoff, texture.smaller);
   }
 }
 

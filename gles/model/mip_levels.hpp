@@ -25,7 +25,12 @@ std::optional<double> cutoff_of(const Model& model, int texture);
 // coverage (Castano 2010), or a fence would vanish with distance.
 std::vector<Image<glm::u8vec4>> smaller_levels(const Image<glm::u8vec4>& picture, bool data,
                                                std::optional<double> cutoff);
-// Of all its textures.
+// Gives texels that are wholly transparent the colour of what is visible around them, in the picture and its smaller
+// levels: a texel between them and visible ones would else take a part of a colour that was never meant to be seen.
+void spread_visible_colours(Image<glm::u8vec4>& picture, std::vector<Image<glm::u8vec4>>& smaller);
+
+// Of all its textures. Alpha that no material of a texture shows is discarded first, since it would weigh colours; where
+// all of them show it, visible colours are spread.
 void make_levels(Model& model);
 
 }  // namespace kasumi

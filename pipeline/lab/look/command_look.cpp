@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/files.hpp"
+#include "gles/model/mip_levels.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/lab/look/model_facts.hpp"
 #include "pipeline/lab/look/turntable.hpp"
@@ -96,7 +97,7 @@ Result<int> look(const LookArguments& arguments) {
     if (arguments.up == "y") up = kiosk->object.placement.up_axis;
     kiosk->object.placement.up_axis = up;
   }
-  const auto model = read_gltf(arguments.model, {}, arguments.scene);
+  auto model = read_gltf(arguments.model, {}, arguments.scene);
   if (!model) return fail(model.error());
   fmt::print("{}\n", arguments.model);
   const auto facts = facts_of(*model, up);
@@ -104,6 +105,7 @@ Result<int> look(const LookArguments& arguments) {
   for (const auto& doubt : facts.doubts) fmt::print("DOUBTFUL: {}\n", doubt);
   if (kiosk) fmt::print("{}\n", sight_object(*kiosk, model->bounds()).message);
   if (arguments.out.empty()) return 0;
+  make_levels(*model);
   if (auto drawn = draw(arguments, *model, up, kiosk ? &*kiosk : nullptr); !drawn) return fail(drawn.error());
   fmt::print("written: {}\n", arguments.out);
   return 0;

@@ -12,6 +12,7 @@
 #include "capture/fixture/replay_source.hpp"
 #include "gles/display/window.hpp"
 #include "gles/gl/offscreen.hpp"
+#include "gles/model/mip_levels.hpp"
 #include "pipeline/lab/recording/light_terms.hpp"
 #include "pipeline/lab/recording/replayed_air.hpp"
 #include "pipeline/machine/progress.hpp"
@@ -287,8 +288,9 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
   auto output = open_output(request, *fixture);
   if (!output) return fail(output.error());
-  const auto model = read_gltf(fixture->installation.object.model, {}, fixture->installation.object.scene);
+  auto model = read_gltf(fixture->installation.object.model, {}, fixture->installation.object.scene);
   if (!model) return fail(model.error());
+  make_levels(*model);
   auto compositor = Compositor::create(output->context(), fixture->installation, *model,
                                        SceneAir(fixture->installation, request.air), {.mixing = request.mixing});
   if (!compositor) return fail(compositor.error());

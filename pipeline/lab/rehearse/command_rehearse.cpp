@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "estimator/sky/sun.hpp"
+#include "gles/model/mip_levels.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/lab/rehearse/rehearsed_view.hpp"
 #include "pipeline/machine/progress.hpp"
@@ -52,6 +53,7 @@ Result<Rehearsed> of_recording(const fs::path& folder) {
   const auto& object = content->config.installation.object;
   auto model = read_gltf(object.model, {}, object.scene);
   if (!model) return fail(model.error());
+  make_levels(*model);
   content->model = std::make_shared<const Model>(std::move(*model));
   return Rehearsed{std::move(content), {}};
 }

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 #include <glm/geometric.hpp>
 
+#include "gles/model/mip_levels.hpp"
 #include "pipeline/show/scene/for_gles.hpp"
 
 namespace kasumi {
@@ -12,6 +13,7 @@ namespace kasumi {
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, AirRendering options) {
   auto model = read_gltf(installation.object.model, {}, installation.object.scene);
   if (!model) return fail(model.error());
+  make_levels(*model);
   for (const auto& note : model->notes) spdlog::info("{}", note);
   return create(context, installation, *model, options);
 }

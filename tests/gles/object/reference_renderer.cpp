@@ -140,21 +140,24 @@ int wrapped(int at, int size, TextureWrap wrap) {
   return ((at % size) + size) % size;
 }
 
-// Bilinear in linear light at full size: the test scenes magnify their textures.
+// Bilinear in linear light at full size: the test scenes magnify their textures. Colours count by their alpha: what is
+// transparent has none.
 glm::dvec4 texel(const ModelTexture& texture, glm::dvec2 place) {
   const int w = texture.pixels.width(), h = texture.pixels.height();
   const double x = place.x * w - 0.5, y = place.y * h - 0.5;
   const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  glm::dvec4 sum{0.0};
+  glm::dvec4 sum{0.0}, visible{0.0};
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i) {
       const glm::u8vec4 t = texture.pixels.at(wrapped(x0 + i, w, texture.wrap_s), wrapped(y0 + j, h, texture.wrap_t));
       const double weight = (i == 1 ? x - x0 : 1 - x + x0) * (j == 1 ? y - y0 : 1 - y + y0);
       const glm::dvec4 code = glm::dvec4(t) / 255.0;
-      sum += weight *
-             (texture.data ? code : glm::dvec4{srgb_light(code.r), srgb_light(code.g), srgb_light(code.b), code.a});
+      const glm::dvec4 value =
+          texture.data ? code : glm::dvec4{srgb_light(code.r), srgb_light(code.g), srgb_light(code.b), code.a};
+      sum += weight * value;
+      visible += weight * code.a * value;
     }
-  return sum;
+  return texture.data || sum.a <= 0.0 ? sum : glm::dvec4(glm::dvec3(visible) / sum.a, sum.a);
 }
 
 class Tracer {

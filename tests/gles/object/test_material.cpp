@@ -1,9 +1,11 @@
 // The GPU's pictures of glTF materials against the reference: each map, each blend mode, each light.
+#include <algorithm>
 #include <cmath>
 
 #include <GLES2/gl2.h>
 #include <glm/geometric.hpp>
 
+#include "gles/model/mip_levels.hpp"
 #include "tests/gles/scenes.hpp"
 
 namespace kasumi {
@@ -125,6 +127,26 @@ TEST_F(MaterialAgainstReference, UnlitMaterialKeepsItsColourInAnyLight) {
   expect_same(scene, {{}, {.force_rgba8 = true}});
   scene.appearance.light.sun_direction = glm::normalize(glm::dvec3{0.3, 0.8, -0.2});  // below the horizon
   expect_same(scene);
+}
+
+// Leaves of soft edges on what is transparent and black, as painting programs leave it, and of another colour each.
+TEST_F(MaterialAgainstReference, LeavesHaveNoFringesOfWhatIsTransparent) {
+  constexpr int kSize = 32;
+  ModelTexture leaves{Image<glm::u8vec4>(kSize, kSize, glm::u8vec4{0, 0, 0, 0})};
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const double off = std::hypot(x % 8 - 3.5, y % 8 - 3.5);
+      const double alpha = std::clamp(0.5 * (4.0 - off), 0.0, 1.0);
+      if (alpha > 0.0) leaves.pixels.at(x, y) = {70 + 3 * (x / 8), 130 - 4 * (y / 8), 50, std::lround(255.0 * alpha)};
+    }
+  for (const auto kind : {ModelMaterial::Alpha::blend, ModelMaterial::Alpha::mask}) {
+    ReferenceScene scene = box_scene();
+    scene.model.textures = {leaves};
+    scene.model.materials[0].texture = 0;
+    scene.model.materials[0].alpha = kind;
+    make_levels(scene.model);
+    expect_same(scene, {{}, {.force_encoded_textures = true}}, 46.0);
+  }
 }
 
 TEST_F(MaterialAgainstReference, AMirroredModelKeepsItsRelief) {

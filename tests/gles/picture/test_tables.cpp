@@ -80,5 +80,60 @@ TEST(Mipmaps, IgnoreTheColourOfTransparentTexels) {
   EXPECT_EQ(halved(pair).at(0, 0), glm::u8vec4(200, 10, 10, 128));
 }
 
+// A model of one texture, and a material of each of these kinds that shows it.
+Model wearing(const Image<glm::u8vec4>& picture, const std::vector<ModelMaterial::Alpha>& kinds) {
+  Model model;
+  model.textures.push_back({picture});
+  for (const auto kind : kinds) {
+    model.materials.emplace_back().texture = 0;
+    model.materials.back().alpha = kind;
+  }
+  return model;
+}
+
+TEST(Mipmaps, TransparentTexelsHaveTheColourOfWhatIsVisibleAround) {
+  constexpr glm::u8vec4 kLeaf{40, 120, 30, 255};
+  Image<glm::u8vec4> leaves(12, 10, glm::u8vec4{0, 0, 0, 0});
+  leaves.at(2, 3) = kLeaf;
+  leaves.at(9, 7) = {40, 120, 30, 90};
+  for (const auto kind : {ModelMaterial::Alpha::mask, ModelMaterial::Alpha::blend}) {
+    Model model = wearing(leaves, {kind});
+    make_levels(model);
+    const ModelTexture& texture = model.textures[0];
+    std::vector<Image<glm::u8vec4>> levels = texture.smaller;
+    levels.push_back(texture.pixels);
+    for (const auto& level : levels)
+      for (const glm::u8vec4 texel : level.elements()) ASSERT_EQ(glm::u8vec3(texel), glm::u8vec3(kLeaf));
+    for (std::size_t i = 0; i < leaves.elements().size(); ++i)
+      ASSERT_EQ(texture.pixels.elements()[i].a, leaves.elements()[i].a);
+  }
+}
+
+TEST(Mipmaps, AlphaThatNoMaterialShowsWeighsNoColour) {
+  Image<glm::u8vec4> board(2, 1, glm::u8vec4{255, 255, 255, 0});
+  board.at(1, 0) = {0, 0, 0, 255};
+  Model opaque = wearing(board, {ModelMaterial::Alpha::opaque});
+  make_levels(opaque);
+  EXPECT_EQ(opaque.textures[0].smaller.at(0).at(0, 0), glm::u8vec4(188, 188, 188, 255));
+  Model both = wearing(board, {ModelMaterial::Alpha::opaque, ModelMaterial::Alpha::mask});
+  make_levels(both);
+  EXPECT_EQ(both.textures[0].pixels.at(0, 0), board.at(0, 0)) << "the opaque one shows this colour";
+}
+
+// A fence of wires, 1 texel in `apart` each way, that is cut out.
+TEST(Mipmaps, WiresThatCoverLittleKeepTheirShareInTheDistance) {
+  for (const int apart : {8, 16, 32, 64}) {
+    Image<glm::u8vec4> fence(256, 256, glm::u8vec4{90, 90, 90, 0});
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x)
+        if (x % apart == 0 || y % apart == 0) fence.at(x, y).a = 255;
+    const double share = share_above(fence, 0.5);
+    for (const auto& level : smaller_levels(fence, false, 0.5)) {
+      const double texel = 1.0 / static_cast<double>(level.elements().size());
+      EXPECT_NEAR(share_above(level, 0.5), share, 0.1 * share + 0.6 * texel) << apart << " at " << level.width();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kasumi
