@@ -129,16 +129,14 @@ TEST_F(MaterialAgainstReference, UnlitMaterialKeepsItsColourInAnyLight) {
   expect_same(scene);
 }
 
-// Leaves of soft edges on what is transparent and black, as painting programs leave it, and of another colour each.
+// Bright leaves, of another colour each, on what is transparent and black, as painting programs leave it.
 TEST_F(MaterialAgainstReference, LeavesHaveNoFringesOfWhatIsTransparent) {
-  constexpr int kSize = 32;
+  constexpr int kSize = 16;
   ModelTexture leaves{Image<glm::u8vec4>(kSize, kSize, glm::u8vec4{0, 0, 0, 0})};
   for (int y = 0; y < kSize; ++y)
-    for (int x = 0; x < kSize; ++x) {
-      const double off = std::hypot(x % 8 - 3.5, y % 8 - 3.5);
-      const double alpha = std::clamp(0.5 * (4.0 - off), 0.0, 1.0);
-      if (alpha > 0.0) leaves.pixels.at(x, y) = {70 + 3 * (x / 8), 130 - 4 * (y / 8), 50, std::lround(255.0 * alpha)};
-    }
+    for (int x = 0; x < kSize; ++x)
+      if (std::hypot(x % 4 - 1.5, y % 4 - 1.5) < 1.7)
+        leaves.pixels.at(x, y) = {200 + 5 * (x / 4), 240 - 4 * (y / 4), 150, 255};
   for (const auto kind : {ModelMaterial::Alpha::blend, ModelMaterial::Alpha::mask}) {
     ReferenceScene scene = box_scene();
     scene.model.textures = {leaves};
