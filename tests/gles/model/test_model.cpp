@@ -285,6 +285,7 @@ TEST(GltfModel, FilesAreFoundAsWindowsFindsThem) {
 TEST(GltfModel, FilesAreFoundByNameWhereTheMachineThatMadeTheModelHadThemElsewhere) {
   GltfFile file = square_file();
   const auto folder = model_folder() / "moved";
+  std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder / "textures");
   ASSERT_TRUE(write_file(folder / "textures" / "Square.bin", file.buffer));
   const auto with = [&](const std::string& uri) {
