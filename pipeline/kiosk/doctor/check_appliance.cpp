@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -195,9 +196,29 @@ void check_live_air(const Json& status, Findings& findings) {
         "which is right? clean the sky camera's dome, look at the landmarks' boxes (kasumi replay --overlay)");
 }
 
+constexpr double kContradicts_sigmas = 3.0;  // of what landmarks have taught
+
+// Whether the colours of landmarks fade as the scene camera is said to show them.
+void check_saturation(const Installation& installation, const Json& status, Findings& findings) {
+  constexpr double kVisible = 0.1;  // of the logarithm: a tenth more colour
+  const auto visibility = part(status, "visibility");
+  const double saturation = number(visibility, "saturation"), sigma = number(visibility, "saturation_sigma");
+  if (!(saturation > 0.0) || !(sigma > 0.0)) return;
+  auto found = fmt::format("landmarks lose colours as under a saturation of {:.2f} +- {:.2f}", saturation, sigma);
+  const auto given = installation.given_saturation();
+  if (given) found += fmt::format("; it is given as {:.2f}", *given);
+  const double off = given ? std::abs(std::log(saturation / *given)) : 0.0;
+  auto& finding = off > kVisible && off > kContradicts_sigmas * sigma / saturation
+                      ? findings.warn("air.saturation", found,
+                                      "scene.saturation, or another calibration of the scene camera's colours and "
+                                      "response (docs/cameras.md)")
+                      : findings.good("air.saturation", found);
+  finding.values = {{"saturation", saturation}, {"sigma", sigma}};
+}
+
 // Whether landmarks fade as they do under the scene camera's response.
 void check_tone(const Json& status, Findings& findings) {
-  constexpr double kContradicts_sigmas = 3.0, kVisible = 0.1;  // of the exponent: some three steps of 255
+  constexpr double kVisible = 0.1;  // of the exponent: some three steps of 255
   const auto visibility = part(status, "visibility");
   const double exponent = number(visibility, "tone_exponent"), sigma = number(visibility, "tone_exponent_sigma");
   if (!(exponent > 0.0) || !(sigma > 0.0)) return;
@@ -287,6 +308,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   }
   check_live_air(is, findings);
   check_cards(is, findings);
+  check_saturation(config.installation, is, findings);
   check_tone(is, findings);
   if (const auto check = part(is, "check"); check.is_object()) {
     const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));

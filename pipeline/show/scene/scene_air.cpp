@@ -87,15 +87,6 @@ OpticalPath path_to(const Installation& installation) {
   return optical_path(altitude_m, altitude_m + place.up_m, std::hypot(place.east_m, place.north_m, place.up_m));
 }
 
-// Empty: it is learnt. A camera whose colours or tone curve were measured shows them as they were found.
-std::optional<double> saturation_of(const Installation& installation) {
-  if (installation.scene_quality.saturation) return installation.scene_quality.saturation;
-  const Camera& scene = installation.scene;
-  const bool curve_measured = scene.response.kind() != Response::Kind::srgb && !installation.scene_tone_exponent;
-  const bool measured = scene.colour_space != Camera::ColourSpace::srgb || curve_measured;
-  return measured ? std::optional(1.0) : std::nullopt;
-}
-
 // The horizon as it would be without the camera's saturation, which comes behind its white balance.
 HorizonLight unsaturated(HorizonLight horizon, const glm::dvec3& white_balance, double saturation) {
   constexpr double kLeast = 1e-3;  // of a colour that no camera of less than 1 can have saturated so far
@@ -139,7 +130,7 @@ SceneAir::SceneAir(const Installation& installation, AirRendering options)
       altitude_m_(installation.site.altitude_m),
       ground_albedo_(installation.surroundings.ground_albedo),
       shadows_(installation.object.shadows),
-      saturation_(saturation_of(installation)),
+      saturation_(installation.given_saturation()),
       skyline_(installation.object.skyline),
       sky_model_(installation.surroundings.sky_model),
       given_(installation.surroundings.air),

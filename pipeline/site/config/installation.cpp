@@ -44,6 +44,13 @@ ModelToFit Installation::model_to_fit() const {
   return fit;
 }
 
+std::optional<double> Installation::given_saturation() const {
+  if (scene_quality.saturation) return scene_quality.saturation;
+  const bool curve_measured = scene.response.kind() != Response::Kind::srgb && !scene_tone_exponent;
+  const bool measured = scene.colour_space != Camera::ColourSpace::srgb || curve_measured;
+  return measured ? std::optional(1.0) : std::nullopt;
+}
+
 namespace {
 
 std::optional<double> correct_tone(const ConfigTable& scene, Response& response) {

@@ -55,6 +55,9 @@ struct Installation {
   // How the air is estimated from the sky camera's picture: by every model, or by the chosen one, which is never
   // automatic.
   ModelToFit model_to_fit() const;
+  // The scene camera's: scene.saturation; 1 where its colours or tone curve were measured, since such a camera shows
+  // colours as they were found. Empty: it is learnt.
+  std::optional<double> given_saturation() const;
 };
 
 // Reads [site], [sky], [scene], [object], [[landmarks]] of a fixture or configuration on top of the calibration file it

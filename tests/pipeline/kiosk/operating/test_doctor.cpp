@@ -15,9 +15,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 // Of an appliance that runs with this status.
-std::optional<Finding> running(const nlohmann::json& status, const char* check) {
+std::optional<Finding> running(const nlohmann::json& status, const char* check, const RunConfig& config = {}) {
   Findings findings;
-  check_appliance({}, {4711, status.dump(), 0.2}, {4711, status.dump(), 0.2}, 3.0, findings);
+  check_appliance(config, {4711, status.dump(), 0.2}, {4711, status.dump(), 0.2}, 3.0, findings);
   return has(findings, check) ? std::optional(found(findings, check)) : std::nullopt;
 }
 
@@ -107,6 +107,28 @@ TEST(DoctorAppliance, SaysWhatTheCardsMakeOfTheLightAndWhenThatCannotBe) {
   EXPECT_EQ(judged()->grade, Grade::warning);
   EXPECT_THAT(judged()->advice, HasSubstr("reflectance"));
   status["cards"]["sun"] = {1, "x", nullptr};
+  EXPECT_FALSE(judged()) << "a damaged status is harmless";
+}
+
+TEST(DoctorAppliance, WarnsOfLandmarksThatContradictTheCamerasColours) {
+  auto status = healthy_status();
+  RunConfig config;  // an unmeasured camera
+  const auto judged = [&] { return running(status, "air.saturation", config); };
+  EXPECT_FALSE(judged());
+  status["visibility"] = {{"saturation", 1.65}, {"saturation_sigma", 0.15}};
+  ASSERT_TRUE(judged());
+  EXPECT_EQ(judged()->grade, Grade::good) << "it is learnt";
+  config.installation.scene_quality.saturation = 1.3;
+  EXPECT_EQ(judged()->grade, Grade::good) << "within 3 sigma";
+  config.installation.scene_quality.saturation = 1.1;
+  EXPECT_EQ(judged()->grade, Grade::warning);
+  EXPECT_THAT(judged()->found, HasSubstr("1.65 +- 0.15; it is given as 1.10"));
+  config.installation.scene_quality.saturation.reset();
+  config.installation.scene.response = Response::linear();
+  EXPECT_EQ(judged()->grade, Grade::warning) << "a measured camera shows colours as they are";
+  config.installation.scene_tone_exponent = 1.2;
+  EXPECT_EQ(judged()->grade, Grade::good) << "its curve was corrected, not measured";
+  status["visibility"] = {{"saturation", "x"}, {"saturation_sigma", nullptr}};
   EXPECT_FALSE(judged()) << "a damaged status is harmless";
 }
 

@@ -227,7 +227,7 @@ TEST(AirTruthTowers, DarkFacadesAreDrawnInTheCamerasColours) {
   EXPECT_LE(worst[1], 0.6 * worst[0]);
 }
 
-// Nobody measured this camera's curve: halves of the days have to agree about it.
+// The curve of this camera is unknown: halves of the days have to agree about it.
 TEST(AirTruthTowers, HalvesOfTheDaysTellTheCamerasToneAlike) {
   if (!milan()) GTEST_SKIP() << "no shared data: real-air/milan";
   const auto& site = *milan();
