@@ -47,8 +47,8 @@ struct Format {
 constexpr std::array kFormats{Format{GBM_FORMAT_XRGB8888, "XRGB8888"}, Format{GBM_FORMAT_ARGB8888, "ARGB8888"}};
 
 // EGL configurations give their memory format only as the native visual.
-EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bits) {
-  const std::array<EGLint, 13> wanted{EGL_RENDERABLE_TYPE,
+EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc) {
+  const std::array<EGLint, 11> wanted{EGL_RENDERABLE_TYPE,
                                       EGL_OPENGL_ES2_BIT,
                                       EGL_SURFACE_TYPE,
                                       EGL_WINDOW_BIT,
@@ -58,8 +58,6 @@ EGLConfig find_config(EGLDisplay display, std::uint32_t fourcc, EGLint depth_bit
                                       8,
                                       EGL_BLUE_SIZE,
                                       8,
-                                      EGL_DEPTH_SIZE,
-                                      depth_bits,
                                       EGL_NONE};
   EGLint count = 0;
   if (!eglChooseConfig(display, wanted.data(), nullptr, 0, &count) || count <= 0) return nullptr;
@@ -243,25 +241,23 @@ Result<std::unique_ptr<Scanout>> open_gbm_scanout(KmsDevice& device, int width, 
   if (!display) return fail(display.error().kind, "{}: EGL: {}", device.path(), display.error().message);
   EglOfGbm egl(*display);
   for (const Format& format : kFormats) {
-    for (const EGLint depth_bits : {24, 16}) {
-      const EGLConfig config = find_config(*display, format.fourcc, depth_bits);
-      if (config == nullptr) continue;
-      GbmSurface surface(gbm_surface_create(gbm.get(), static_cast<std::uint32_t>(width),
-                                            static_cast<std::uint32_t>(height), format.fourcc,
-                                            GBM_BO_USE_SCANOUT | GBM_BO_USE_RENDERING));
-      if (surface == nullptr) continue;
-      const EGLSurface egl_surface =
-          eglCreateWindowSurface(*display, config, reinterpret_cast<EGLNativeWindowType>(surface.get()), nullptr);
-      if (egl_surface == EGL_NO_SURFACE) continue;
-      auto context = make_egl_context(*display, config, egl_surface);
-      if (!context) return fail(context.error().kind, "{}: {}", device.path(), context.error().message);
-      // A window's rows: GL's row 0 is the bottom one.
-      return std::make_unique<GbmScanout>(device, std::move(gbm), std::move(egl), std::move(surface), egl_surface,
-                                          std::move(*context), DrawTarget{0, width, height, false});
-    }
+    const EGLConfig config = find_config(*display, format.fourcc);
+    if (config == nullptr) continue;
+    GbmSurface surface(gbm_surface_create(gbm.get(), static_cast<std::uint32_t>(width),
+                                          static_cast<std::uint32_t>(height), format.fourcc,
+                                          GBM_BO_USE_SCANOUT | GBM_BO_USE_RENDERING));
+    if (surface == nullptr) continue;
+    const EGLSurface egl_surface =
+        eglCreateWindowSurface(*display, config, reinterpret_cast<EGLNativeWindowType>(surface.get()), nullptr);
+    if (egl_surface == EGL_NO_SURFACE) continue;
+    auto context = make_egl_context(*display, config, egl_surface);
+    if (!context) return fail(context.error().kind, "{}: {}", device.path(), context.error().message);
+    // A window's rows: GL's row 0 is the bottom one.
+    return std::make_unique<GbmScanout>(device, std::move(gbm), std::move(egl), std::move(surface), egl_surface,
+                                        std::move(*context), DrawTarget{0, width, height, false});
   }
-  return fail(FaultKind::unsupported, "{}: EGL and GBM share no 8-bit format with a depth buffer for {}x{} pixels: {}",
-              device.path(), width, height, egl_reason());
+  return fail(FaultKind::unsupported, "{}: EGL and GBM share no 8-bit format for {}x{} pixels: {}", device.path(),
+              width, height, egl_reason());
 }
 
 }  // namespace kasumi

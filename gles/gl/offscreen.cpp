@@ -39,7 +39,7 @@ unsigned depth_format(const GlInfo& info) {
   return info.es_major >= 3 || info.has("GL_OES_depth24") ? GL_DEPTH_COMPONENT24_OES : GL_DEPTH_COMPONENT16;
 }
 
-Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, int samples) {
+Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, Depth depth, int samples) {
   if (width < 1 || height < 1 || width > info.max_texture_size || height > info.max_texture_size)
     return fail(FaultKind::bad_input, "a picture of {} x {} pixels: expected 1 .. {} each way on this driver", width,
                 height, info.max_texture_size);
@@ -48,8 +48,6 @@ Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, i
   made.height_ = height;
   made.samples_ = samples_given(info, samples);
 
-  made.depth_ = make_renderbuffer();
-  glBindRenderbuffer(GL_RENDERBUFFER, made.depth_.name());
   const auto storage = [&](GLenum format) {
     if (made.samples_ > 1)
       core_function<StorageMultisample>("glRenderbufferStorageMultisample")(GL_RENDERBUFFER, made.samples_, format,
@@ -57,7 +55,11 @@ Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, i
     else
       glRenderbufferStorage(GL_RENDERBUFFER, format, width, height);
   };
-  storage(depth_format(info));
+  if (depth == Depth::buffer) {
+    made.depth_ = make_renderbuffer();
+    glBindRenderbuffer(GL_RENDERBUFFER, made.depth_.name());
+    storage(depth_format(info));
+  }
 
   made.resolved_ = make_framebuffer();
   made.resolved_colour_ = make_texture();
@@ -78,7 +80,8 @@ Result<Offscreen> Offscreen::create(const GlInfo& info, int width, int height, i
     glBindFramebuffer(GL_FRAMEBUFFER, made.drawn_.name());
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, made.drawn_colour_.name());
   }
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth_.name());
+  if (depth == Depth::buffer)
+    glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth_.name());
   if (auto complete = check_framebuffer("the picture's framebuffer"); !complete) return fail(complete.error());
   return made;
 }

@@ -14,9 +14,11 @@ namespace kasumi {
 
 class Offscreen {
  public:
+  enum class Depth { none, buffer };  // only the one-pass path needs it
   // samples > 1 requests multisampling, which improves edges in the one-pass path; ignored if the driver lacks it.
   // Errors: bad_input (size not in 1..GL_MAX_TEXTURE_SIZE), device.
-  static Result<Offscreen> create(const GlInfo& info, int width, int height, int samples = 1);
+  static Result<Offscreen> create(const GlInfo& info, int width, int height, Depth depth = Depth::none,
+                                  int samples = 1);
 
   DrawTarget target() const;
   int samples() const { return samples_; }
@@ -32,7 +34,7 @@ class Offscreen {
   int samples_ = 1;
   GlFramebuffer drawn_;  // multisampled when samples_ > 1
   GlRenderbuffer drawn_colour_;
-  GlRenderbuffer depth_;
+  GlRenderbuffer depth_;  // if asked for
   GlFramebuffer resolved_;
   GlTexture resolved_colour_;
 };

@@ -217,7 +217,7 @@ Renderer GlesTest::make_renderer(const RendererOptions& options) {
 }
 
 Offscreen GlesTest::make_target(int width, int height, int samples) {
-  auto target = Offscreen::create(info(), width, height, samples);
+  auto target = Offscreen::create(info(), width, height, Offscreen::Depth::buffer, samples);
   if (!target) throw std::runtime_error(target.error().message);
   return std::move(*target);
 }

@@ -43,7 +43,7 @@ Result<std::vector<BenchRow>> bench_gles() {
   if (!context) return fail(context.error());
   const GlInfo& info = (*context)->info();
   const BenchScene scene = make_bench_scene();
-  auto offscreen = Offscreen::create(info, scene.view.width, scene.view.height);
+  auto offscreen = Offscreen::create(info, scene.view.width, scene.view.height, Offscreen::Depth::buffer);
   if (!offscreen) return fail(offscreen.error());
   auto renderer = make_renderer(**context, scene);
   if (!renderer) return fail(renderer.error());

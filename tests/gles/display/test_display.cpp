@@ -45,6 +45,15 @@ TEST(HeadlessDisplays, ShowWhatWasDrawnLast) {
   }
 }
 
+TEST(HeadlessDisplays, HaveNoDepthBufferWhichNothingDrawnToThemNeeds) {
+  ManualClock clock(kNoon);
+  auto display = must(headless(clock));
+  glBindFramebuffer(GL_FRAMEBUFFER, must(display->begin(clock.now()))->framebuffer);
+  GLint bits = -1;
+  glGetIntegerv(GL_DEPTH_BITS, &bits);
+  EXPECT_EQ(bits, 0);
+}
+
 TEST(HeadlessDisplays, KeepShowingThePictureWhileTheNextIsDrawn) {
   ManualClock clock(kNoon);
   auto display = must(headless(clock));
