@@ -116,6 +116,10 @@ void finish_gl() {
   glFinish();
 }
 
+void release_compiler() {
+  glReleaseShaderCompiler();
+}
+
 Result<> check_framebuffer(std::string_view what) {
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status == GL_FRAMEBUFFER_COMPLETE) return check_gl(what);

@@ -63,6 +63,8 @@ void clamp_to_edge();
 Result<> check_gl(std::string_view what);
 // BLOCKS until the GPU has finished all queued commands.
 void finish_gl();
+// Programs are there for now: what only compiling needs may go.
+void release_compiler();
 // Checks the bound framebuffer. Errors: device, with GL's reason.
 Result<> check_framebuffer(std::string_view what);
 

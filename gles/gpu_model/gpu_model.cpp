@@ -14,6 +14,7 @@ namespace kasumi {
 namespace {
 
 constexpr std::size_t kSliceVertices = 100'000;  // some four megabytes
+constexpr std::size_t kMostWaiting = 100'000;    // corners; a triangle waits in some 400 bytes
 
 }  // namespace
 
@@ -21,6 +22,7 @@ GpuModel::Chunk GpuModel::make_chunk(int material, std::span<const GpuVertex> ve
                                      std::vector<std::uint16_t> index_list) {
   Chunk chunk;
   chunk.material = material;
+  chunk.positions.reserve(vertices.size());
   for (const GpuVertex& vertex : vertices) chunk.positions.push_back(vertex.position);
   chunk.index_list = std::move(index_list);
   chunk.vertices = make_buffer();
@@ -51,6 +53,7 @@ Result<ModelUpload> ModelUpload::begin(const Model& model, std::shared_ptr<const
   ModelUpload upload(model, info, notes);
   upload.force_encoded_textures_ = force_encoded_textures;
   upload.chunks_ = chunks ? std::move(chunks) : std::make_shared<const TriangleChunks>(cut_model(model));
+  upload.made_.software_ = info.software;
   upload.made_.materials_ = model.materials;
   upload.made_.bounds_ = model.bounds();
   upload.made_.bounds_with_ground_ = model.bounds_with_ground();
@@ -170,6 +173,10 @@ void GpuModel::draw_chunk(const Chunk& chunk) const {
                           reinterpret_cast<const void*>(attribute.offset));
   glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, chunk.indices.name());
   glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(chunk.index_list.size()), GL_UNSIGNED_SHORT, nullptr);
+  // Software GL keeps the memory of as many triangles as ever waited for it.
+  if (!software_ || (waiting_ += chunk.index_list.size()) < kMostWaiting) return;
+  glFinish();
+  waiting_ = 0;
 }
 
 const std::vector<GpuModel::Chunk>& GpuModel::chunks_of(Which which) const {

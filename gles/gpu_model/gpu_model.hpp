@@ -91,6 +91,8 @@ class GpuModel {
   ModelBounds bounds_;
   ModelBounds bounds_with_ground_;
   std::size_t bytes_ = 0;
+  bool software_ = false;            // GL
+  mutable std::size_t waiting_ = 0;  // corners of triangles given to it
 };
 
 // Puts a model on the GPU in pieces of a few megabytes, between which the thread may draw.

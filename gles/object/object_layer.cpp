@@ -205,6 +205,7 @@ Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& p
 }
 
 struct LayerDrawing::State {
+  bool software;  // GL, which keeps all that was ever in flight together: buffers, textures, triangles
   const GpuModel& model;
   const Projection& projection;
   AirlightGrid horizon;
@@ -218,6 +219,10 @@ struct LayerDrawing::State {
   DepthRange depth;
   std::vector<ReachedTile> tiles;
   std::size_t drawn = 0;
+
+  void wait_if_software() const {
+    if (software) glFinish();
+  }
 
   // To the samples that the reached pixels need.
   Scissor scissor_of(const ReachedTile& part) const {
@@ -253,9 +258,14 @@ struct LayerDrawing::State {
     {
       const Scissor scissor = scissor_of(part);
       if (auto done = draw_samples(part); !done) return done;
+      wait_if_software();
       samples = &lattice.spread_out(part.tile.width(), part.tile.height());
+      wait_if_software();
     }
-    if (lattice.means) lattice.means->draw(*samples, part.tile, part.reached);
+    if (lattice.means) {
+      lattice.means->draw(*samples, part.tile, part.reached);
+      wait_if_software();
+    }
     const PixelBox &reached = part.reached, &box = layer.box_;
     const Scissor scissor({reached.left - box.left, reached.top - box.top},
                           {reached.right - reached.left, reached.bottom - reached.top});
@@ -290,7 +300,7 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
   const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options, *lattice));
   if (!resolving) return fail(resolving.error());
   return LayerDrawing(std::make_unique<State>(
-      State{model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer),
+      State{info.software, model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer),
             std::move(*lattice), *resolving, object_defines(options, projection),
             depth_range(projection, model.bounds_with_ground()), tiles_reached(model, box, horizon, options)}));
 }

@@ -26,8 +26,6 @@ void check(const ObjectDetail& detail, Problems& problems) {
     problems.add("detail: sharpening by {}: expected 0 .. {}", detail.sharpening, kStrongestSharpening);
 }
 
-constexpr int kPiecesWaiting = 4;  // of a layer, for software GL
-
 // Calls it until it says that it is done.
 template <class Step>
 Result<> until_done(Step step) {
@@ -233,13 +231,8 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLay
 Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left) {
   for (;;) {
     const auto whole = state_->next_piece();
-    // Queued GPU work delays the picture too. Software GL keeps the memory of as much work as was ever waiting for it,
-    // textures included; but it rasterises some pieces while the next are prepared.
-    const bool enough = state_->info.software && ++state_->pieces_waiting >= kPiecesWaiting;
-    if (time_is_left || enough) {
-      glFinish();
-      state_->pieces_waiting = 0;
-    }
+    // Queued GPU work delays the picture too, and software GL keeps the memory of all that ever waited for it.
+    if (time_is_left || state_->info.software) glFinish();
     if (!whole || *whole || !time_is_left) return whole;
     if (!time_is_left()) return false;
   }

@@ -239,6 +239,7 @@ Result<> Renderer::State::finish_layer(ObjectLayer drawn) {
   box = unfinished_layer->box;
   unfinished_layer.reset();
   shadow.reset();  // its maps are large, and the sun moves on
+  release_compiler();
   return check_gl("cutting the picture");
 }
 

@@ -64,7 +64,6 @@ struct Renderer::State {
   std::optional<SunShadow> shadow;  // as drawn last
   std::optional<ModelUpload> unfinished_model;
   std::optional<UnfinishedLayer> unfinished_layer;
-  int pieces_waiting = 0;  // of it, given to GL and not known to be drawn
   std::optional<ObjectLayer> layer;
   Composite composite;
   std::shared_ptr<const JpegSteps> jpeg;  // of the newest picture

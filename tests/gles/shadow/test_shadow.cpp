@@ -7,6 +7,7 @@
 #include "gles/shadow/sun_shadow.hpp"
 #include "tests/gles/object/reference_shading.hpp"
 #include "tests/gles/scenes.hpp"
+#include "tests/heap_in_use.hpp"
 
 namespace kasumi {
 namespace {
@@ -214,6 +215,22 @@ TEST_F(Shadow, IsAbsentUnderAnOvercastSkyBitForBit) {
   }
   EXPECT_EQ(cached[0].elements(), cached[1].elements());
   EXPECT_EQ(moving[0].elements(), moving[1].elements());
+}
+
+// llvmpipe keeps what has been in flight until it draws as much at once again.
+TEST_F(Shadow, LeavesNoMapsInMemoryOnceTheLayerIsDrawn) {
+  if (!kHeapTells || !info().software) GTEST_SKIP() << "the driver's memory is not this process's";
+  ReferenceScene scene = gate_scene();
+  Renderer renderer = loaded(scene);
+  const Image<Rgb8> camera = landscape(scene.view.width, scene.view.height);
+  draw(renderer, scene.measured, view_of(camera));
+  const double before = heap_in_use();
+  scene.view.focal_px *= 6.0;  // the programs are the same, the maps are larger
+  ASSERT_OK(renderer.set_view(scene.view, scene.model_to_world));
+  ASSERT_OK(renderer.redraw_layer(scene.appearance));
+  draw(renderer, scene.measured, view_of(camera));
+  constexpr double kMaps = 16 * 2 * 1024.0 * 1024.0;
+  EXPECT_LT(heap_in_use() - before, kMaps / 4.0);
 }
 
 TEST_F(Shadow, IsAlsoDrawnInAMovingView) {
