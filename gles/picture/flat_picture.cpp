@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <map>
 
 #include "gles/gl/gl.hpp"
 #include "gles/gl/program.hpp"
@@ -23,12 +24,24 @@ bool is_whole(double value) {
   return value == std::floor(value);
 }
 
+// One for all flat pictures of a context, as long as any of them is there.
+Result<std::shared_ptr<const Program>> program_in(const GlContext& context) {
+  thread_local std::map<const GlContext*, std::weak_ptr<const Program>> programs;
+  std::erase_if(programs, [](const auto& known) { return known.second.expired(); });
+  if (const auto known = programs.find(&context); known != programs.end()) return known->second.lock();
+  auto built = Program::build({}, "flat.vert", "flat.frag");
+  if (!built) return fail(built.error());
+  auto program = std::make_shared<const Program>(std::move(*built));
+  programs[&context] = program;
+  return program;
+}
+
 }  // namespace
 
 struct FlatPicture::State {
   int width = 0;
   int height = 0;
-  Program program;
+  std::shared_ptr<const Program> program;
   GlTexture texture;
   GlBuffer corners;
   bool has_mipmaps = false;
@@ -82,21 +95,22 @@ Result<FlatPicture> FlatPicture::create(GlContext& context, const FlatTexels& gi
   const bool has_mipmaps = info.es_major >= 3 || info.has("GL_OES_texture_npot") ||
                            (is_power_of_two(texels.width()) && is_power_of_two(texels.height()));
   if (has_mipmaps) glGenerateMipmap(GL_TEXTURE_2D);
-  return of_texture(given.width, given.height, std::move(texture), has_mipmaps);
+  return of_texture(context, given.width, given.height, std::move(texture), has_mipmaps);
 }
 
-Result<FlatPicture> FlatPicture::create(Offscreen drawn) {
+Result<FlatPicture> FlatPicture::create(GlContext& context, Offscreen drawn) {
   const auto target = drawn.target();
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_TRUE);
   glClearColor(0.0F, 0.0F, 0.0F, 1.0F);
   glClear(GL_COLOR_BUFFER_BIT);
   glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-  return of_texture(target.width, target.height, std::move(drawn).take_colour(), false);
+  return of_texture(context, target.width, target.height, std::move(drawn).take_colour(), false);
 }
 
-Result<FlatPicture> FlatPicture::of_texture(int width, int height, GlTexture texture, bool has_mipmaps) {
-  auto program = Program::build({}, "flat.vert", "flat.frag");
+Result<FlatPicture> FlatPicture::of_texture(const GlContext& context, int width, int height, GlTexture texture,
+                                            bool has_mipmaps) {
+  auto program = program_in(context);
   if (!program) return fail(program.error());
   auto state = std::make_unique<State>(
       State{width, height, std::move(*program), std::move(texture), make_buffer(), has_mipmaps});
@@ -121,12 +135,13 @@ Result<> FlatPicture::draw(const DrawTarget& target, const FlatPlace& place, dou
   const State& s = *state_;
   glBindFramebuffer(GL_FRAMEBUFFER, target.framebuffer);
   glViewport(0, 0, target.width, target.height);
-  s.program.use();
+  const Program& program = *s.program;
+  program.use();
   const double across = 2.0 / target.width, down = (target.top_row_first ? 2.0 : -2.0) / target.height;
-  s.program.set("place", glm::dvec4{place.left * across - 1.0, place.top * down + (target.top_row_first ? -1.0 : 1.0),
-                                    place.width * across, place.height * down});
-  s.program.set("opacity", std::min(opacity, 1.0));
-  s.program.set("picture", 0);
+  program.set("place", glm::dvec4{place.left * across - 1.0, place.top * down + (target.top_row_first ? -1.0 : 1.0),
+                                  place.width * across, place.height * down});
+  program.set("opacity", std::min(opacity, 1.0));
+  program.set("picture", 0);
   glActiveTexture(GL_TEXTURE0);
   glBindTexture(GL_TEXTURE_2D, s.texture.name());
   const GLint filter = s.minifying_filter(place);

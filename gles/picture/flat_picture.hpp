@@ -41,7 +41,7 @@ class FlatPicture {
   // Errors: bad_input (empty, or beyond the driver's limit), device.
   static Result<FlatPicture> create(GlContext& context, const FlatTexels& texels);
   // Of what was drawn offscreen, opaque; without a copy. Errors: device.
-  static Result<FlatPicture> create(Offscreen drawn);
+  static Result<FlatPicture> create(GlContext& context, Offscreen drawn);
   FlatPicture(FlatPicture&&) noexcept;
   FlatPicture& operator=(FlatPicture&&) noexcept;
   ~FlatPicture();
@@ -54,7 +54,8 @@ class FlatPicture {
  private:
   struct State;
   explicit FlatPicture(std::unique_ptr<State> state);
-  static Result<FlatPicture> of_texture(int width, int height, GlTexture texture, bool has_mipmaps);
+  static Result<FlatPicture> of_texture(const GlContext& context, int width, int height, GlTexture texture,
+                                        bool has_mipmaps);
   std::unique_ptr<State> state_;
 };
 

@@ -71,7 +71,7 @@ Result<FlatPicture> Stage::still_scene(int width, int height) {
   auto unseen = Offscreen::create(context_->info(), width, height);
   if (!unseen) return fail(unseen.error());
   if (auto drawn = compositor_.draw_again(unseen->target()); !drawn) return fail(drawn.error());
-  return FlatPicture::create(std::move(*unseen));
+  return FlatPicture::create(*context_, std::move(*unseen));
 }
 
 // An overlay that cannot be drawn is dropped, and the picture goes on without it.

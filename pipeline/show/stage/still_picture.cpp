@@ -122,12 +122,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillWeather& sky)
     if (land.height > 0.0)
       if (auto drawn = background_->draw(whole, land); !drawn) return drawn;
   }
-  const auto pixels = offscreen->read();
-  if (!pixels) return fail(pixels.error());
-  Image<Rgba8> opaque(pixels->width(), pixels->height());
-  std::ranges::transform(pixels->elements(), opaque.elements().begin(),
-                         [](const Rgb8& colour) { return Rgba8(colour, 255); });
-  auto picture = FlatPicture::create(*context_, opaque);
+  auto picture = FlatPicture::create(*context_, std::move(*offscreen));
   if (!picture) return fail(picture.error());
   with_sky_ = ComposedStill{std::move(*picture), sky, target.width, target.height};
   return {};
@@ -139,7 +134,10 @@ Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
 }
 
 Result<> StillPicture::draw(const DrawTarget& target, const SkyReport& report, double opacity) {
-  if (opacity <= 0.0) return {};
+  if (opacity <= 0.0) {
+    with_sky_.reset();  // as large as the screen
+    return {};
+  }
   const auto sky = shows_sky_ ? still_sky(report) : std::nullopt;
   if (!sky) return draw_plain(target, opacity);
   if (!holds(target, *sky))

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "gles/gl/gl.hpp"
 #include "gles/picture/flat_picture.hpp"
 #include "tests/gles/scenes.hpp"
 
@@ -35,6 +36,25 @@ Rgb8 blended(const glm::dvec4& over, double opacity) {  // colours not multiplie
 
 int largest_difference(const Rgb8& a, const Rgb8& b) {
   return std::max({std::abs(a.r - b.r), std::abs(a.g - b.g), std::abs(a.b - b.b)});
+}
+
+// Each program takes software GL a megabyte, whatever it draws.
+TEST_F(FlatPictures, ShareOneProgram) {
+  const auto programs = [] {
+    int count = 0;
+    for (GLuint name = 1; name < 4096; ++name) count += glIsProgram(name) == GL_TRUE;
+    return count;
+  };
+  const Image<Rgba8> picture = noise(8, 8);
+  const int before = programs();
+  {
+    const FlatPicture one = make(picture);
+    const FlatPicture other = make(picture);
+    EXPECT_EQ(programs(), before + 1);
+  }
+  EXPECT_EQ(programs(), before);
+  const FlatPicture again = make(picture);
+  EXPECT_EQ(programs(), before + 1);
 }
 
 TEST_F(FlatPictures, BlendEachPixelOverTheTargetInFilesAndWindowsAlike) {

@@ -8,6 +8,7 @@
 #include "gles/gl/offscreen.hpp"
 #include "pipeline/show/stage/still_picture.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
+#include "tests/heap_in_use.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -117,6 +118,26 @@ TEST_F(StillPictureTest, FadesAsAWhole) {
   for (const auto& pixel : {glm::ivec2{160, 5}, glm::ivec2{20, 60}, glm::ivec2{160, 170}})
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(half.at(pixel.x, pixel.y)[c], 0.5 * whole.at(pixel.x, pixel.y)[c], 1.5) << pixel.x << " " << c;
+}
+
+TEST_F(StillPictureTest, IsNotKeptAtTheScreensSizeWhileUnseen) {
+  if (!kHeapTells || !context_->info().software) GTEST_SKIP() << "the driver's memory is not this process's";
+  auto still = StillPicture::create(*context_, content(wall())).value();
+  constexpr int kAcross = 1600, kDown = 900;
+  auto target = Offscreen::create(context_->info(), kAcross, kDown).value();
+  const auto dot = FlatPicture::create(*context_, Image<Rgba8>(1, 1, Rgba8{9, 9, 9, 255})).value();
+  const auto in_use = [&](double opacity) {
+    EXPECT_TRUE(still.draw(target.target(), report(40.0), opacity));
+    // As in a kiosk other pictures follow: the driver keeps what was drawn last.
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_TRUE(dot.draw(target.target(), {0, 0, 8, 8}));
+      EXPECT_TRUE(target.read());
+    }
+    return heap_in_use();
+  };
+  const double seen = in_use(1.0);
+  EXPECT_GT(seen - in_use(0.0), 0.9 * 4.0 * kAcross * kDown);
+  EXPECT_NEAR(in_use(1.0), seen, 0.5 * 4.0 * kAcross * kDown) << "and it comes back";
 }
 
 TEST_F(StillPictureTest, TheSkyIsRedrawnOnlyWhenItHasChanged) {
