@@ -56,6 +56,7 @@ Result<const Image<glm::u8vec4>*> FinishedPixels::read() {
     auto pixels = read_pixels(kept.pixels, part_.right - part_.left, part_.bottom - part_.top);
     if (!pixels) return fail(pixels.error());
     kept.in_memory = std::move(*pixels);
+    kept.pixels = {};
   }
   return &kept.in_memory;
 }

@@ -29,7 +29,8 @@ class FinishedPixels {
   // draw's.
   Result<bool> find(const TargetPlacement& shown, const PixelBox& covered, const ObjectLook& look, const GlInfo& info,
                     const std::function<Result<>()>& draw);
-  // The same pixels in memory, those of the target's part that holds `covered`; read once. Errors: device.
+  // The same pixels in memory, those of the target's part that holds `covered`; read once, and no longer to be bound.
+  // Errors: device.
   Result<const Image<glm::u8vec4>*> read();
   // For picture.frag with PROCESSED, on the same target.
   void bind(const Program& program) const;
