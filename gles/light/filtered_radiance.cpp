@@ -63,18 +63,18 @@ Lobe lobe_of(double roughness) {
 }
 
 // The filter of one roughness: each output texel as a weighted sum of the map's texels. The lobes never change, so the
-// weights are computed once.
+// weights are computed once, for one quarter of the map: the others are its mirror images.
 class Mirror {
  public:
   Mirror(double roughness, int size) : size_(size) {
     const Lobe lobe = lobe_of(roughness);
     std::vector<float> share(kMap * kMap, 0.0f);
     std::vector<std::size_t> touched;
-    for (int y = 0; y < size; ++y)
-      for (int x = 0; x < size; ++x) {
+    for (int y = 0; y < half(); ++y)
+      for (int x = 0; x < half(); ++x) {
         lay(lobe, direction_on_map(place_of(x, y, size)), share, touched);
         for (const std::size_t at : touched) {
-          taps_.push_back({static_cast<std::uint32_t>(at), share[at]});
+          taps_.push_back({static_cast<std::uint8_t>(at % kMap), static_cast<std::uint8_t>(at / kMap), share[at]});
           share[at] = 0.0f;
         }
         touched.clear();
@@ -87,19 +87,32 @@ class Mirror {
     Image<glm::vec3> picture(size_, size_);
     std::size_t tap = 0;
     for (std::size_t i = 0; i < ends_.size(); ++i) {
-      glm::vec3 sum{0.0f};
-      for (; tap < ends_[i]; ++tap) sum += taps_[tap].share * radiance.elements()[taps_[tap].at];
-      picture.elements()[i] = sum;
+      std::array<glm::vec3, 4> sums{};  // here, across, below, both
+      for (; tap < ends_[i]; ++tap) {
+        const auto [x, y, share] = taps_[tap];
+        const glm::vec3 *row = radiance.row(y), *mirrored = radiance.row(kMap - 1 - y);
+        sums[0] += share * row[x];
+        sums[1] += share * row[kMap - 1 - x];
+        sums[2] += share * mirrored[x];
+        sums[3] += share * mirrored[kMap - 1 - x];
+      }
+      const int x = static_cast<int>(i) % half(), y = static_cast<int>(i) / half(), last = size_ - 1;
+      picture.at(last - x, last - y) = sums[3];
+      picture.at(x, last - y) = sums[2];
+      picture.at(last - x, y) = sums[1];
+      picture.at(x, y) = sums[0];
     }
     return picture;
   }
 
  private:
   static constexpr int kMap = LightAround::kSize;
+  static_assert(kMap <= 256);
   struct Tap {
-    std::uint32_t at;  // texel of the map
+    std::uint8_t x, y;  // texel of the map
     float share;
   };
+  int half() const { return (size_ + 1) / 2; }
 
   // The lobe around `image`, interpolated between the map's texels.
   static void lay(const Lobe& lobe, const Direction& image, std::vector<float>& share,
@@ -129,7 +142,7 @@ class Mirror {
   std::vector<std::size_t> ends_;  // of each texel's taps
 };
 
-// Of roughness 1/6 .. 5/6; 6 MB.
+// Of roughness 1/6 .. 5/6; 4 MB.
 const std::vector<Mirror>& mirrors() {
   static const auto made = [] {
     std::vector<Mirror> all;
