@@ -1,5 +1,6 @@
 // Sky and ground of a scene picture, by OpenCV's watershed.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -27,15 +28,29 @@ struct Working {
   cv::Mat never_sky;               // 8U
 };
 
-// OpenCV makes its tables for Lab at the first use, without a lock (4.6): threads that meet there each make them, and all
-// but the last are lost.
-void make_lab_tables() {
-  static const bool made = [] {
-    cv::Mat pixel(1, 1, CV_32FC3, cv::Scalar::all(0.5));
-    cv::cvtColor(pixel, pixel, cv::COLOR_RGB2Lab);
-    return true;
+// CIE L*, a*, b* of sRGB. OpenCV's own conversion makes 5 MB of tables first, which takes a tenth of a second.
+std::array<cv::Mat, 3> lab_of(const cv::Mat& rgb) {
+  static const auto light = [] {
+    std::array<float, 256> of_code{};
+    for (std::size_t code = 0; code < of_code.size(); ++code)
+      of_code[code] = static_cast<float>(Response::srgb().to_light(glm::dvec3{static_cast<double>(code) / 255.0}).x);
+    return of_code;
   }();
-  static_cast<void>(made);
+  const auto f = [](float t) { return t > 216.0F / 24389.0F ? std::cbrt(t) : (24389.0F / 27.0F * t + 16.0F) / 116.0F; };
+  std::array<cv::Mat, 3> lab;
+  for (cv::Mat& plane : lab) plane.create(rgb.size(), CV_32F);
+  for (int y = 0; y < rgb.rows; ++y)
+    for (int x = 0; x < rgb.cols; ++x) {
+      const auto& codes = rgb.at<cv::Vec3b>(y, x);
+      const float r = light[codes[0]], g = light[codes[1]], b = light[codes[2]];
+      const float along_x = f((0.412453F * r + 0.357580F * g + 0.180423F * b) / 0.950456F);
+      const float along_y = f(0.212671F * r + 0.715160F * g + 0.072169F * b);
+      const float along_z = f((0.019334F * r + 0.119193F * g + 0.950227F * b) / 1.088754F);
+      lab[0].at<float>(y, x) = 116.0F * along_y - 16.0F;
+      lab[1].at<float>(y, x) = 500.0F * (along_x - along_y);
+      lab[2].at<float>(y, x) = 200.0F * (along_y - along_z);
+    }
+  return lab;
 }
 
 Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky) {
@@ -47,15 +62,10 @@ Working prepare(const Image<Rgb8>& picture, const Image<std::uint8_t>& never_sky
   Working w;
   cv::resize(full, w.rgb, size, 0, 0, cv::INTER_AREA);
   cv::medianBlur(w.rgb, w.rgb, 5);
-  make_lab_tables();
-  cv::Mat lab;
-  w.rgb.convertTo(lab, CV_32F, 1.0 / 255.0);
-  cv::cvtColor(lab, lab, cv::COLOR_RGB2Lab);
-  std::vector<cv::Mat> planes;
-  cv::split(lab, planes);
-  w.lightness = planes[0];
-  w.red_green = planes[1];
-  w.yellow_blue = planes[2];
+  const auto lab = lab_of(w.rgb);
+  w.lightness = lab[0];
+  w.red_green = lab[1];
+  w.yellow_blue = lab[2];
   // Deviation from the surroundings, so that a sky's smooth gradient does not count as texture.
   cv::Mat surroundings, deviation;
   cv::GaussianBlur(w.lightness, surroundings, {}, 3.0);
