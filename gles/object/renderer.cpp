@@ -217,7 +217,9 @@ Result<> Renderer::begin_layer(const ObjectAppearance& appearance, const WithLay
   }
 
   State::UnfinishedLayer unfinished{appearance, with.sky, detail, box, std::nullopt, nullptr, std::nullopt};
-  const auto frame = s.casts_shadow(appearance) ? s.new_shadow(appearance) : std::nullopt;
+  const bool shadow = s.casts_shadow(appearance);
+  s.coarse_shadow = shadow && with.soon && s.info.software;
+  const auto frame = shadow ? s.new_shadow(appearance, s.coarse_shadow) : std::nullopt;
   if (frame) {
     s.shadow.reset();
     auto drawing = SunShadowDrawing::begin(*s.model, *frame, s.shadow_options, s.info, s.programs);
@@ -236,6 +238,10 @@ Result<bool> Renderer::continue_layer(const std::function<bool()>& time_is_left)
     if (!whole || *whole || !time_is_left) return whole;
     if (!time_is_left()) return false;
   }
+}
+
+bool Renderer::has_coarse_shadow() const {
+  return state_->coarse_shadow;
 }
 
 Result<Image<glm::vec4>> Renderer::read_layer() {

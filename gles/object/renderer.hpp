@@ -41,6 +41,7 @@ struct AtlasSquares;
 struct WithLayer {
   std::optional<ObjectDetail> detail{};       // from when the layer is whole; empty: as it is
   std::shared_ptr<const AtlasSquares> sky{};  // atlas_squares() of its light; null: computed in begin_layer()
+  bool soon = false;                          // software GL draws its shadow from maps half as wide: a coarse one
 };
 
 class Renderer {
@@ -93,6 +94,8 @@ class Renderer {
   Result<> begin_layer(const ObjectAppearance& appearance, const WithLayer& with = {});
   // Draws a piece, and further ones as long as `time_is_left`, waiting for the GPU after each. true: the layer is drawn.
   Result<bool> continue_layer(const std::function<bool()>& time_is_left = {});
+  // Of the layer begun last.
+  bool has_coarse_shadow() const;
 
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.

@@ -177,8 +177,8 @@ bool Renderer::State::casts_shadow(const ObjectAppearance& appearance) const {
   return appearance.shadows && shadows_work && appearance.light.sun_irradiance != glm::dvec3{0.0};
 }
 
-std::optional<SunFrame> Renderer::State::new_shadow(const ObjectAppearance& appearance) const {
-  const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options);
+std::optional<SunFrame> Renderer::State::new_shadow(const ObjectAppearance& appearance, bool coarse) const {
+  const int texels = SunShadow::texels_for(*model, *projection, info, shadow_options) / (coarse ? 2 : 1);
   const SunFrame frame =
       make_sun_frame(model->bounds(), projection->model_to_world, appearance.light.sun_direction, texels);
   if (shadow && shadow->frame() == frame) return std::nullopt;

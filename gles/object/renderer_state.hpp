@@ -59,7 +59,8 @@ struct Renderer::State {
   std::optional<SceneDepth> scene_depth;
   int scene_depth_unit = -1;
   bool shadows_work = true;
-  bool many_varyings = true;  // more than GLES 2 guarantees
+  bool coarse_shadow = false;  // under the layer begun last
+  bool many_varyings = true;   // more than GLES 2 guarantees
   SunShadow::Options shadow_options;
   std::optional<SunShadow> shadow;  // as drawn last
   std::optional<ModelUpload> unfinished_model;
@@ -103,7 +104,7 @@ struct Renderer::State {
 
   bool casts_shadow(const ObjectAppearance& appearance) const;
   // Of the shadow to be drawn; empty: the one at hand is right.
-  std::optional<SunFrame> new_shadow(const ObjectAppearance& appearance) const;
+  std::optional<SunFrame> new_shadow(const ObjectAppearance& appearance, bool coarse = false) const;
   // Redraws the shadow when the sun, the pose or its size in the picture has changed; null if the sun casts none.
   Result<const SunShadow*> shadow_under(const ObjectAppearance& appearance);
 

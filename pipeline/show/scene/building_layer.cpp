@@ -1,10 +1,14 @@
 #include "pipeline/show/scene/building_layer.hpp"
 
+#include <algorithm>
+
 namespace kasumi {
 
 namespace {
 
-constexpr Duration kSlice = std::chrono::milliseconds(4);    // of a picture's time
+constexpr Duration kSlice = std::chrono::milliseconds(4);  // of a picture's time, at least
+constexpr int kSlices = 8;                                 // an eighth of the time between two pictures, if longer
+constexpr Duration kLongestSlice = std::chrono::milliseconds(125);
 constexpr Duration kAnswerBound = std::chrono::seconds(20);  // give up on a worker that has not answered
 
 }  // namespace
@@ -37,15 +41,18 @@ Result<bool> BuildingLayer::go_on(Renderer& renderer, const std::function<bool()
   if (!whole) unfinished_.reset();
   if (!whole || !*whole) return whole;
   layer_ = std::exchange(unfinished_, std::nullopt);
+  coarse_ = renderer.has_coarse_shadow();
   detail_ = layer_->detail;
   ++drawn_;
   return true;
 }
 
-Result<> BuildingLayer::update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now) {
+Result<> BuildingLayer::update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now, bool soon) {
   if (auto fitted = fit(renderer, now.detail); !fitted) return fitted;
   if (!unfinished_ && !is_as(now))
-    if (auto begun = begin(renderer, now, air.appearance(now.scene, renderer.object_box(), now.ground)); !begun)
+    if (auto begun = begin(renderer, now, air.appearance(now.scene, renderer.object_box(), now.ground),
+                           {std::nullopt, nullptr, soon});
+        !begun)
       return begun;
   while (unfinished_)
     if (const auto whole = go_on(renderer); !whole) return fail(whole.error());
@@ -61,12 +68,14 @@ Result<> BuildingLayer::update_in_slices(Renderer& renderer, const SceneAir& air
     if (auto begun = begin(renderer, answer->under, answer->appearance, {answer->under.detail, answer->sky}); !begun)
       return begun;
   }
+  const auto apart = captured_at - std::exchange(last_, captured_at).value_or(captured_at);
   if (unfinished_) {
     const auto began = clock.now();
-    if (const auto whole = go_on(renderer, [&] { return clock.now() - began < kSlice; }); !whole)
+    const auto slice = std::clamp<Duration>(apart / kSlices, kSlice, kLongestSlice);
+    if (const auto whole = go_on(renderer, [&] { return clock.now() - began < slice; }); !whole)
       return fail(whole.error());
   }
-  if (!unfinished_ && !asked_ && (now.detail != detail_ || !is_as(now))) {
+  if (!unfinished_ && !asked_ && (now.detail != detail_ || coarse_ || !is_as(now))) {
     const auto of_now = std::make_shared<const SceneAir>(air);
     question_ = LayerQuestion{of_now, now, renderer.object_box(now.detail), renderer.reflects()};
     asked_ = Asked{of_now, captured_at};

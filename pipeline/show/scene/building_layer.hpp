@@ -16,11 +16,12 @@ namespace kasumi {
 // Belongs to the renderer that it is always given.
 class BuildingLayer {
  public:
-  // Draws what is missing under these conditions. Errors: device.
-  Result<> update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now);
-  // The same in a few milliseconds of `clock`, while the old layer is shown; somebody else computes its light and air.
-  // One layer at a time: asked for, answered, drawn, and then the next that is due. Needs a layer. `captured_at`: of
-  // the picture. Errors: device.
+  // Draws what is missing under these conditions. `soon`: with a coarser shadow where GL is software, which
+  // update_in_slices() then draws anew. Errors: device.
+  Result<> update_at_once(Renderer& renderer, const SceneAir& air, const LayerConditions& now, bool soon = false);
+  // The same in an eighth of the time between two pictures, by `clock`, while the old layer is shown; somebody else
+  // computes its light and air. One layer at a time: asked for, answered, drawn, and then the next that is due. Needs a
+  // layer. `captured_at`: of the picture. Errors: device.
   Result<> update_in_slices(Renderer& renderer, const SceneAir& air, const LayerConditions& now, Instant captured_at,
                             const Clock& clock);
   std::optional<LayerQuestion> take_question() { return std::exchange(question_, std::nullopt); }
@@ -48,7 +49,9 @@ class BuildingLayer {
   ObjectDetail detail_;                                 // of the renderer
   std::optional<LayerConditions> layer_, unfinished_;   // what the cached layer was drawn under, and the next one is
   std::shared_ptr<const ObjectAppearance> appearance_;  // of the layer begun last
+  bool coarse_ = false;                                 // the cached layer's shadow
   std::uint64_t drawn_ = 0;
+  std::optional<Instant> last_;  // when the last picture was captured
   struct Asked {
     std::shared_ptr<const SceneAir> air;  // of the question
     Instant at;                           // when its picture was captured

@@ -50,7 +50,7 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
   }
   const auto under = under_view(now, wanted, sky);
   auto updated = clock_ && layer_.any() ? layer_.update_in_slices(renderer_, air_, under, metadata.captured_at, *clock_)
-                                        : layer_.update_at_once(renderer_, air_, under);
+                                        : layer_.update_at_once(renderer_, air_, under, clock_ != nullptr);
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
   if (!is_in_other_light() && layer_.view() == BuildingView::live)

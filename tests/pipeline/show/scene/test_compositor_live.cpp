@@ -45,9 +45,12 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
     for (int i = 0; i < 500 && live.layer().drawn() == layers; ++i) drawn(live, frame);
     return true;
   }
-  // Until all is known of the frame's ground that can be.
+  // Until the first layer's shadow is as fine as any, and all is known of the frame's ground that can be.
   void settle(Compositor& live, Frame& frame) {
-    if (!GetParam()) return;
+    if (!GetParam()) {
+      for (int i = 0; i < 3 && go_on(live, frame);) ++i;
+      return;
+    }
     for (int quiet = 0, i = 0; i < 100; ++i) {
       quiet = go_on(live, frame) ? 0 : quiet + 1;
       if (live.around().ground().sunlight && live.around().ground().sky && quiet > kLately) return;
@@ -107,6 +110,30 @@ TEST_P(LiveCompositors, RedrawALayerOverSeveralPictures) {
   EXPECT_EQ(live.layer().drawn(), layers + 1);
   settle(live, frame);
   expect_same(drawn(live, frame), drawn(at_once, frame));
+  EXPECT_FALSE(live.layer().take_question());
+}
+
+// Where GL is software the first picture does not wait for fine shadows.
+TEST_P(LiveCompositors, BeginWithACoarseShadowAndReplaceIt) {
+  const Buffer buffer(PixelLayout::nv12, YuvEncoding::bt601_full, kWidth, kHeight, 0, 1);
+  bool returned = false;
+  Frame frame = copied(lent(buffer, returned));
+  ManualClock clock({});
+  Compositor live = make(), at_once = make();
+  live.go_live(clock);
+  const auto first = drawn(live, frame), fine = drawn(at_once, frame);
+  const bool coarse = context_->info().software;
+  EXPECT_EQ(first.elements() != fine.elements(), coarse);
+  drawn(live, frame);
+  const auto question = live.layer().take_question();
+  ASSERT_EQ(question.has_value(), coarse);
+  if (!coarse) return;
+  live.adopt(answer(*question));
+  drawn(live, frame);
+  EXPECT_EQ(live.layer().drawn(), 2u);
+  settle(live, frame);
+  expect_same(drawn(live, frame), drawn(at_once, frame));
+  drawn(live, frame);
   EXPECT_FALSE(live.layer().take_question());
 }
 
