@@ -8,8 +8,8 @@ namespace {
 
 constexpr Duration kSlice = std::chrono::milliseconds(4);  // of a picture's time, at least
 constexpr int kSlices = 8;                                 // an eighth of the time between two pictures, if longer
-constexpr Duration kLongestSlice = std::chrono::milliseconds(125);
-constexpr Duration kAnswerBound = std::chrono::seconds(20);  // give up on a worker that has not answered
+constexpr Duration kLongestSlice = std::chrono::milliseconds(125);  // even then: visitors press keys meanwhile
+constexpr Duration kAnswerBound = std::chrono::seconds(20);         // give up on a worker that has not answered
 
 }  // namespace
 

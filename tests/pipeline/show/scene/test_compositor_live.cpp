@@ -38,6 +38,9 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
       live.adopt(answer(*horizon));
     }
     drawn(live, frame);
+    return draw_layer(live, frame);
+  }
+  bool draw_layer(Compositor& live, const Frame& frame) {
     const auto layer = live.layer().take_question();
     if (!layer) return false;
     live.adopt(answer(*layer));
@@ -48,7 +51,8 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
   // Until the first layer's shadow is as fine as any, and all is known of the frame's ground that can be.
   void settle(Compositor& live, Frame& frame) {
     if (!GetParam()) {
-      for (int i = 0; i < 3 && go_on(live, frame);) ++i;
+      drawn(live, frame);
+      draw_layer(live, frame);
       return;
     }
     for (int quiet = 0, i = 0; i < 100; ++i) {
@@ -63,6 +67,9 @@ class LiveCompositors : public Compositors, public testing::WithParamInterface<b
       EXPECT_EQ(a.elements(), b.elements());
       return;
     }
+    expect_alike(a, b);
+  }
+  static void expect_alike(const Image<Rgb8>& a, const Image<Rgb8>& b) {
     const auto [most, others] = difference(a, b);
     EXPECT_LE(others, kWidth * kHeight / 1000) << "pixels by more than 2 of 255, " << most << " at most";
   }
@@ -222,7 +229,8 @@ TEST_P(LiveCompositors, LetSomebodyElseMeasureTheHorizon) {
   live.adopt(answer(*question));
   Frame after = later_copy;
   settle(live, after);  // the answer holds a look at the ground, by which the layer is drawn again
-  expect_same(drawn(live, after), GetParam() ? drawn(at_once, after) : expected);
+  // The layer with the finer shadow was drawn after the first horizon had been measured, the other one before.
+  expect_alike(drawn(live, after), GetParam() ? drawn(at_once, after) : expected);
 }
 
 TEST_P(LiveCompositors, LeaveWhatWasMeasuredForOthers) {
