@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "base/nth_smallest.hpp"
 #include "estimator/cloud_cover/clear_blue.hpp"
 #include "estimator/cloud_cover/pixel_features.hpp"
 #include "estimator/cloud_cover/sky_part.hpp"
 #include "estimator/cloud_cover/sun_glow.hpp"
+#include "estimator/nth_smallest.hpp"
 
 namespace kasumi {
 

@@ -6,8 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "base/nth_smallest.hpp"
 #include "base/statistics.hpp"
+#include "estimator/nth_smallest.hpp"
 
 namespace kasumi {
 

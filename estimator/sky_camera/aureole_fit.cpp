@@ -59,6 +59,7 @@ class Touching {  // the plane that touches the sphere at a point; distances fro
   // Of 30 deg each, counter-clockwise from the negative x axis: without an arc tangent.
   static std::size_t sector_of(const glm::dvec2& flat) {
     static_assert(kFitSectors == 12);
+    // 1 / sqrt(3), sqrt(3).
     constexpr double kTan30 = 0.57735026918962576, kTan60 = 1.7320508075688773;
     const double x = std::abs(flat.x), y = std::abs(flat.y);
     const std::size_t from_axis = y < kTan30 * x ? 0 : y < kTan60 * x ? 1 : 2;

@@ -22,6 +22,7 @@ float sum_of(const ClearForm::Terms& terms, const ClearForm::Terms& factors) {
 }
 
 constexpr std::size_t kLane = 4;  // of a vector; loops over so many become one
+// Of cubic splines, four; and the class's own.
 constexpr std::size_t kSpline = 4, kSlow = ClearForm::kSlow, kRadial = ClearForm::kRadial;
 
 // A place without the zeros among its terms: around any distance from the sun four splines are not 0.

@@ -139,6 +139,22 @@ void compare_with_form(ColourStatistics& look, const std::vector<Place>& places,
   look.cover = white / sky_places;
 }
 
+ColourStatistics colours_of_places(const std::vector<Place>& places, const SkyPicture& picture,
+                                   const ElementGeometry& geometry, const SunDirection& sun) {
+  ColourStatistics look;
+  look.places = static_cast<int>(places.size());
+  look_at_sun(look, picture, geometry, sun);
+  if (look.places < kFewestPlaces) return look;
+  std::vector<float> colours;
+  colours.reserve(places.size());
+  for (const Place& p : places) colours.push_back(p.colour);
+  look.bluest = static_cast<double>(quantile_in_place(colours, 0.1));
+  look.colour_span = static_cast<double>(quantile_in_place(colours, 0.9)) - look.bluest;
+  return look;
+}
+
+}  // namespace
+
 void look_at_sun(ColourStatistics& look, const SkyPicture& picture, const ElementGeometry& geometry,
                  const SunDirection& sun) {
   // The disc with its glare, and the sky just outside.
@@ -164,22 +180,6 @@ void look_at_sun(ColourStatistics& look, const SkyPicture& picture, const Elemen
   look.sun_seen = core > kBright && ring < core - kDuller;
   look.sun_hidden = brightest <= kBright;
 }
-
-ColourStatistics colours_of_places(const std::vector<Place>& places, const SkyPicture& picture,
-                                   const ElementGeometry& geometry, const SunDirection& sun) {
-  ColourStatistics look;
-  look.places = static_cast<int>(places.size());
-  look_at_sun(look, picture, geometry, sun);
-  if (look.places < kFewestPlaces) return look;
-  std::vector<float> colours;
-  colours.reserve(places.size());
-  for (const Place& p : places) colours.push_back(p.colour);
-  look.bluest = static_cast<double>(quantile_in_place(colours, 0.1));
-  look.colour_span = static_cast<double>(quantile_in_place(colours, 0.9)) - look.bluest;
-  return look;
-}
-
-}  // namespace
 
 ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
                          const SunDirection& sun) {

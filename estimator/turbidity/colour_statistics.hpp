@@ -26,4 +26,8 @@ ColourStatistics look_of(const SkyPicture& picture, const ElementGeometry& geome
 ColourStatistics colours_of(const SkyPicture& picture, const ElementGeometry& geometry, const ElementLight& light,
                             const SunDirection& sun);
 
+// Sets sun_seen and sun_hidden alone.
+void look_at_sun(ColourStatistics& look, const SkyPicture& picture, const ElementGeometry& geometry,
+                 const SunDirection& sun);
+
 }  // namespace kasumi

@@ -41,7 +41,7 @@ class LightTable {
 
 // In which of the sky's patches a direction lies.
 std::uint8_t patch_of(const glm::vec3& direction) {
-  constexpr int kRings = ElementGeometry::kRings, kSectors = ElementGeometry::kSectors;
+  constexpr int kRings = ElementGeometry::kRings, kSectors = ElementGeometry::kSectors;  // short for these
   const double azimuth = std::atan2(static_cast<double>(direction.x), static_cast<double>(direction.y)) + kPi;
   const int sector = std::min(kSectors - 1, static_cast<int>(azimuth / (2.0 * kPi) * kSectors));
   const int ring = std::min(kRings - 1, static_cast<int>(std::acos(direction.z) / 1.4f * kRings));

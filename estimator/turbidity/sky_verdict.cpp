@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
-#include "base/nth_smallest.hpp"
 #include "base/statistics.hpp"
+#include "estimator/nth_smallest.hpp"
 #include "estimator/turbidity/perez_log.hpp"
 
 namespace kasumi {

@@ -161,8 +161,11 @@ TEST(PictureFiles, JpegsAreReadAsOpenCvReadsThem) {
 
 TEST(PictureFiles, AJpegAtAnEighthHasTheMeansOfItsPixels) {
   constexpr int kWidth = 61, kHeight = 43;  // no multiples of 8
-  const Bytes samples = samples_of(kWidth, kHeight, 3, 8);
-  const cv::Mat picture(kHeight, kWidth, CV_8UC3, const_cast<std::uint8_t*>(samples.data()));
+  cv::Mat3b picture(kHeight, kWidth);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x)
+      for (int c = 0; c < 3; ++c)
+        picture(y, x)[c] = static_cast<std::uint8_t>(60 + x + y / 2 + 20 * c + 7 * (x & y & 1));
   Bytes file;
   ASSERT_TRUE(cv::imencode(".jpg", picture, file, {cv::IMWRITE_JPEG_QUALITY, 90}));
   const auto whole = decode_jpeg_file(file);

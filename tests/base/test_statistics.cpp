@@ -1,15 +1,11 @@
 // Order statistics against their definitions and the normal distribution.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <random>
-#include <vector>
 
-#include "base/nth_smallest.hpp"
 #include "base/statistics.hpp"
 
 namespace kasumi {
@@ -105,23 +101,6 @@ TEST(TukeyWeight, FallsFromOneToZeroAtItsCutoffOnBothSides) {
   EXPECT_EQ(tukey_weight(-0.5), 0.5625);
   EXPECT_EQ(tukey_weight(1.0), 0.0);
   EXPECT_EQ(tukey_weight(-1e300), 0.0);
-}
-
-TEST(Statistics, CountingFindsTheValueThatSortingFinds) {
-  std::mt19937 random(5);
-  std::normal_distribution<float> normal(0.3f, 2.0f);
-  for (const std::size_t count : {1u, 2u, 255u, 256u, 5000u}) {
-    std::vector<float> values(count);
-    for (float& value : values) value = normal(random);
-    for (std::size_t i = 0; i < count; i += 7) values[i] = std::round(values[i]);  // many alike
-    std::vector<float> sorted = values;
-    std::ranges::sort(sorted);
-    for (std::size_t n = 0; n < count; n += 1 + count / 40) EXPECT_EQ(nth_smallest(values, n), sorted[n]) << count;
-    EXPECT_EQ(nth_smallest(values, count - 1), sorted.back()) << count;
-    EXPECT_EQ(counted_median(values), median(values)) << count;
-    EXPECT_EQ(counted_quantile(values, 0.9995), quantile(values, 0.9995)) << count;
-  }
-  EXPECT_EQ(nth_smallest(std::vector<float>(1000, 0.25f), 700), 0.25f) << "all alike";
 }
 
 }  // namespace

@@ -181,7 +181,7 @@ inline const Walls kLibraryDoors = {
       "estimator/sky_camera/",
       "estimator/turbidity/",
       "pipeline/lab/bench/haze.cpp",
-      "pipeline/lab/photographs/steady_worker.cpp",
+      "pipeline/lab/photographs/steady_worker.hpp",
       "pipeline/install/calibrate/",
       "pipeline/install/calibration_report/",
       "pipeline/lab/comparison/",

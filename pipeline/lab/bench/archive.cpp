@@ -19,18 +19,29 @@ namespace {
 
 enum class BenchWeather { night, overcast, clear };
 
+// Moon and Spencer's: at the horizon a third as bright as above. Encoded, a little bluish.
+glm::dvec3 overcast_level(const Camera& camera, const glm::dvec2& pixel) {
+  constexpr double kAbove = 0.45;  // of full scale
+  const auto view = camera.direction_at(pixel);
+  const double light = kAbove * (1.0 + 2.0 * std::max(0.0, view ? view->z : 0.0)) / 3.0;
+  return 255.0 * camera.response.to_encoded(light * glm::dvec3{0.97, 1.0, 1.04});
+}
+
 // Noise as a small sensor has it: a smooth picture would be decoded too fast.
-Image<Rgb8> under(BenchWeather weather, Image<Rgb8> sky) {
+Image<Rgb8> under(BenchWeather weather, const Camera& camera, Image<Rgb8> sky) {
   std::uint32_t state = 1;
-  for (auto& pixel : sky.elements()) {
-    if (pixel == Rgb8{}) continue;
-    for (auto* level : {&pixel.r, &pixel.g, &pixel.b}) {
-      state = state * 1664525u + 1013904223u;
-      const int noise = static_cast<int>(state >> 24) % 9 - 4;
-      const int light = weather == BenchWeather::night ? 8 : weather == BenchWeather::overcast ? 170 : *level;
-      *level = static_cast<std::uint8_t>(std::clamp(light + noise, 1, 255));
+  for (int y = 0; y < sky.height(); ++y)
+    for (int x = 0; x < sky.width(); ++x) {
+      Rgb8& pixel = sky.at(x, y);
+      if (pixel == Rgb8{}) continue;
+      if (weather == BenchWeather::night) pixel = Rgb8{8};
+      if (weather == BenchWeather::overcast) pixel = Rgb8(overcast_level(camera, {x, y}));
+      for (auto* level : {&pixel.r, &pixel.g, &pixel.b}) {
+        state = state * 1664525u + 1013904223u;
+        const int noise = static_cast<int>(state >> 24) % 9 - 4;
+        *level = static_cast<std::uint8_t>(std::clamp(*level + noise, 1, 255));
+      }
     }
-  }
   return sky;
 }
 
@@ -44,7 +55,8 @@ Result<BenchFile> archive_picture(const std::filesystem::path& folder, int side,
   constexpr int kQuality = 90;
   const SunDirection sun = direction_from(from_degrees(58.4), from_degrees(180.0));
   Camera camera;
-  const auto sky = under(weather, drawn_sky(side, camera, sun));
+  auto clear = drawn_sky(side, camera, sun);
+  const auto sky = under(weather, camera, std::move(clear));
   auto bytes = encode_jpeg(sky, kQuality, ChromaSubsampling::s420);
   if (!bytes) return fail(bytes.error());
   BenchFile picture{folder / "sky.jpg", std::move(*bytes), {}};

@@ -216,45 +216,52 @@ bool PhotographEstimator::answer_by_night(const SunGiven& given, PhotographRepor
   return true;
 }
 
-std::optional<PhotographReport> PhotographEstimator::by_first_look(const std::filesystem::path& file,
-                                                                   std::optional<Utc> utc) {
+std::optional<PhotographEstimator::FirstAnswer> PhotographEstimator::by_first_look(const std::filesystem::path& file,
+                                                                                   std::optional<Utc> utc) {
   if (!options_.calibrated || !options_.first_look || options_.sun_from_image) return std::nullopt;
   const Camera& camera = *options_.calibrated;
   auto small = read_small_photograph(file);
   if (!small || small->width != camera.width || small->height != camera.height) return std::nullopt;
-  PhotographReport report;
+  FirstAnswer answer;
+  PhotographReport& report = answer.report;
   report.taken = small->taken;
   report.tone = options_.tone;
   place(report, utc);
   const SunGiven given = sun_given(report, nullptr);
-  if (answer_by_night(given, report)) return report;
+  if (answer_by_night(given, report)) return answer;
   if (!given.direction) return std::nullopt;
 
   const SkyPicture coarse = coarse_picture(std::move(small->encoded));
   if (!first_look_) first_look_.emplace(camera);
-  const auto refused = first_look_->refuse(coarse, *given.direction, estimate_options(report));
-  if (!refused) return std::nullopt;
+  const auto closed_sky = first_look_->refuse(coarse, *given.direction, estimate_options(report));
+  if (!closed_sky) return std::nullopt;
+  answer.sun_may_show = closed_sky->sun_may_show;
   report.cover = cloud_cover(coarse, camera, given.direction, first_directions_);
   const bool closed = report.cover.sky == CoverClass::overcast && report.cover.fraction > kSurelyClosed;
-  if (refused->sky == SkyCondition::overcast && !closed) return std::nullopt;
+  if (closed_sky->refusal.sky == SkyCondition::overcast && !closed) return std::nullopt;
   auto& estimate = report.look.estimate;
   estimate.sun = *given.direction;
-  estimate.sky = refused->sky;
-  estimate.reason = refused->reason;
+  estimate.sky = closed_sky->refusal.sky;
+  estimate.reason = closed_sky->refusal.reason;
   report.look.sky = estimate_options(report).sky;
   report.sun.direction = report.sun.by_time_and_place = given.direction;
   report.sun.in_camera = *given.direction;
   report.sun.azimuth_up = given.azimuth_up;
   report.sun.told = given.by + kNotLookedFor;
   report.picture = coarse;
-  return report;
+  return answer;
 }
 
 Result<PhotographReport> PhotographEstimator::estimate_from(const std::filesystem::path& file, std::optional<Utc> utc) {
-  if (auto seen = by_first_look(file, utc)) return std::move(*seen);
+  auto first = by_first_look(file, utc);
+  if (first && !first->sun_may_show) return std::move(first->report);
   PhotographReport report;
   auto photograph = read_photograph(file, options_.allow_damaged ? &report.damage : nullptr, &report.taken);
   if (!photograph) return fail(photograph.error());
+  if (first) {
+    const auto whole = sky_picture(photograph->encoded, photograph->quantum, *options_.calibrated);
+    if (whole && !first_look_->shows_sun(*whole, first->report.sun.in_camera)) return std::move(first->report);
+  }
   return estimate_of(file, std::move(*photograph), std::move(report), utc);
 }
 

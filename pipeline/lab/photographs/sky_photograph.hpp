@@ -11,8 +11,8 @@
 #include "calib/camera.hpp"
 #include "calib/mask/image_circle.hpp"
 #include "estimator/cloud_cover/cloud_cover.hpp"
+#include "estimator/cloud_cover/first_look.hpp"
 #include "estimator/sky_fit/tone_curve.hpp"
-#include "estimator/turbidity/first_look.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "pipeline/lab/photographs/camera_memory.hpp"
 #include "pipeline/lab/photographs/photographed_sun.hpp"
@@ -91,8 +91,12 @@ class PhotographEstimator {
  private:
   Result<PhotographReport> estimate_of(const std::filesystem::path& file, Photograph photograph,
                                        PhotographReport report, std::optional<Utc> utc);
+  struct FirstAnswer {
+    PhotographReport report;
+    bool sun_may_show = false;  // ClosedSky's
+  };
   // Empty: one must look closer.
-  std::optional<PhotographReport> by_first_look(const std::filesystem::path& file, std::optional<Utc> utc);
+  std::optional<FirstAnswer> by_first_look(const std::filesystem::path& file, std::optional<Utc> utc);
   // Time and place of the call, else the file's, where the sun follows from them.
   void place(PhotographReport& report, std::optional<Utc> utc) const;
   double altitude_m(const PhotographReport& report) const;

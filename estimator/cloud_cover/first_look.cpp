@@ -1,4 +1,4 @@
-#include "estimator/turbidity/first_look.hpp"
+#include "estimator/cloud_cover/first_look.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,11 +13,12 @@ namespace {
 
 // By how much each number must be on the refused side of its limit: means over 8 x 8 pixels are smoother and a little
 // greyer than single ones.
-constexpr double kShareMargin = 0.8, kSpreadMargin = 1.5, kSpanMargin = 1.25, kBluestMargin = 0.05;
+constexpr double kShareMargin = 0.8, kSpreadMargin = 1.5, kSpanMargin = 1.25, kBluestMargin = 0.03;
 
 // Around the sun's place something is brighter than the sky beside, its disc or where it shines through: by no more than
 // what is left of a disc of 3 deg that four elements share.
 bool sun_may_show(const SkyPicture& coarse, const ElementGeometry& geometry, const SunDirection& sun) {
+  // The disc with its glare, and the sky just outside.
   constexpr Radians kNear = from_degrees(5.0), kBesideEnds = from_degrees(12.0);
   constexpr float kLeftOfDisc = 0.1f;  // of what is missing to white
   const auto near = static_cast<float>(std::cos(kNear.value)),
@@ -42,8 +43,8 @@ bool sun_may_show(const SkyPicture& coarse, const ElementGeometry& geometry, con
 
 }  // namespace
 
-std::optional<Refusal> FirstLook::refuse(const SkyPicture& coarse, const SunDirection& sun,
-                                         const EstimateParameters& options) {
+std::optional<ClosedSky> FirstLook::refuse(const SkyPicture& coarse, const SunDirection& sun,
+                                           const EstimateParameters& options) {
   if (refuse_by_sun(sun, options)) return std::nullopt;
   if (!geometry_ || !geometry_->fits(coarse)) geometry_ = sky_geometry(camera_, coarse);
   const ElementLight sky = sky_light(coarse, *geometry_, sun, options.limits);
@@ -54,17 +55,25 @@ std::optional<Refusal> FirstLook::refuse(const SkyPicture& coarse, const SunDire
     nearer.saturated *= kShareMargin;
     nearer.spread *= kSpreadMargin;
     const auto still = refuse_by_light(nearer, sun);
-    return still && still->sky == refused->sky ? refused : std::nullopt;
+    return still && still->sky == refused->sky ? std::optional(ClosedSky{*refused}) : std::nullopt;
   }
   // One model alone asks for no colour.
   if (!(options.sky.every_model || options.sky.hosek) || !options.mask_clouds) return std::nullopt;
   const ColourStatistics look = colours_of(coarse, *geometry_, sky, sun);
   const auto refused = refuse_by_look(look, light.brightest);
-  if (!refused || refused->sky != SkyCondition::overcast || sun_may_show(coarse, *geometry_, sun)) return std::nullopt;
+  if (!refused || refused->sky != SkyCondition::overcast) return std::nullopt;
   ColourStatistics nearer = look;
   nearer.colour_span *= kSpanMargin;
   nearer.bluest -= kBluestMargin;
-  return refuse_by_look(nearer, light.brightest) ? refused : std::nullopt;
+  if (!refuse_by_look(nearer, light.brightest)) return std::nullopt;
+  return ClosedSky{*refused, sun_may_show(coarse, *geometry_, sun)};
+}
+
+bool FirstLook::shows_sun(const SkyPicture& whole, const SunDirection& sun) {
+  if (!whole_geometry_ || !whole_geometry_->fits(whole)) whole_geometry_ = sky_geometry(camera_, whole);
+  ColourStatistics look;
+  look_at_sun(look, whole, *whole_geometry_, sun);
+  return look.sun_seen;
 }
 
 }  // namespace kasumi

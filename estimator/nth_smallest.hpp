@@ -13,7 +13,7 @@ namespace kasumi {
 // The value with `n` of them before it in ascending order, n < values.size(); exactly what std::nth_element finds. No
 // value may be NaN.
 inline float nth_smallest(std::span<const float> values, std::size_t n) {
-  constexpr std::size_t kFew = 256, kBins = 512;
+  constexpr std::size_t kFew = 256, kBins = 512;  // fewer are sorted sooner than counted; a cache holds the counts
   std::vector<float> some;
   const auto of_some = [&some](std::size_t nth) {
     const auto at = some.begin() + static_cast<std::ptrdiff_t>(nth);
