@@ -290,7 +290,7 @@ TEST_P(GroundOfCompositors, CountsAsLitUntilItIsLookedAt) {
   Compositor live = make(), at_once = make();
   installation_.object.ground_light = false;
   Compositor lit = make();
-  live.go_live(clock);
+  for (auto* compositor : {&live, &lit}) compositor->go_live(clock);
   Frame frame = recorded_frame(live, 0.5);
   const auto first = drawn(live, frame), as_lit = drawn(lit, frame), looked_at = drawn(at_once, frame);
   EXPECT_EQ(first.elements(), as_lit.elements()) << "waits for nothing";
