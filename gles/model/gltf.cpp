@@ -342,6 +342,9 @@ class GltfReader {
     const auto places =
         attribute(primitive, fmt::format("TEXCOORD_{}", placement.set), {2}, part.vertices.size(), what);
     if (!places) return fail(places.error());
+    if (places->count == 0 && !part.vertices.empty())
+      note("material \"{}\": a mesh has no texture coordinates for its pictures: one texel of each colours all of it",
+           model_.materials[static_cast<std::size_t>(part.material)].name);
     for (std::size_t i = 0; i < places->count; ++i) {
       const glm::dvec3 moved = placement.transform * glm::dvec3(places->values[2 * i], places->values[2 * i + 1], 1.0);
       if (finite(moved))

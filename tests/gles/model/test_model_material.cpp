@@ -124,6 +124,15 @@ TEST(GltfMaterial, OlderMaterialsBecomeMetalOrNotByTheirSpecularTexture) {
   EXPECT_THAT(loaded(file.read("older")).notes, testing::Contains(HasSubstr("specularGlossinessTexture is left out")));
 }
 
+TEST(GltfMaterial, APictureWithoutTextureCoordinatesIsReported) {
+  GltfFile file = surface_file();
+  file.json["materials"][0] = {{"name", "wall"}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}};
+  EXPECT_THAT(loaded(file.read("laid")).notes, testing::IsEmpty());
+  file.primitive()["attributes"].erase("TEXCOORD_0");
+  EXPECT_THAT(loaded(file.read("not-laid")).notes,
+              testing::ElementsAre(HasSubstr("material \"wall\": a mesh has no texture coordinates")));
+}
+
 TEST(GltfMaterial, UnlitNeedsOnlyItsColour) {
   GltfFile file = surface_file();
   file.json["materials"][0] = {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
