@@ -217,20 +217,22 @@ void check_saturation(const Installation& installation, const Json& status, Find
 }
 
 // Whether landmarks fade as they do under the scene camera's response.
-void check_tone(const Json& status, Findings& findings) {
+void check_tone(const Installation& installation, const Json& status, Findings& findings) {
   constexpr double kVisible = 0.1;  // of the exponent: some three steps of 255
   const auto visibility = part(status, "visibility");
   const double exponent = number(visibility, "tone_exponent"), sigma = number(visibility, "tone_exponent_sigma");
   if (!(exponent > 0.0) || !(sigma > 0.0)) return;
   const auto found = fmt::format("landmarks fade as under a tone exponent of {:.2f} +- {:.2f}", exponent, sigma);
   const double off = std::abs(exponent - 1.0);
-  auto& finding =
-      off > kContradicts_sigmas * sigma && off > kVisible
-          ? findings.warn("air.tone", found + ", which contradicts the scene camera's response",
-                          fmt::format("kasumi calibrate response; where that cannot be done, tone_exponent = {:.2f} in "
-                                      "[scene] (docs/cameras.md), times the one that stands there",
-                                      exponent))
-          : findings.good("air.tone", found);
+  // The key corrects a supposed response alone, beside what it corrects by already.
+  const bool supposed = installation.scene_tone_exponent || installation.scene.response.kind() == Response::Kind::srgb;
+  std::string advice = "kasumi calibrate response";
+  if (supposed)
+    advice += fmt::format("; where that cannot be done, tone_exponent = {:.2f} in [scene] (docs/cameras.md)",
+                          exponent * installation.scene_tone_exponent.value_or(1.0));
+  auto& finding = off > kContradicts_sigmas * sigma && off > kVisible
+                      ? findings.warn("air.tone", found + ", which contradicts the scene camera's response", advice)
+                      : findings.good("air.tone", found);
   finding.values = {{"tone_exponent", exponent}, {"sigma", sigma}};
 }
 
@@ -309,7 +311,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
   check_live_air(is, findings);
   check_cards(is, findings);
   check_saturation(config.installation, is, findings);
-  check_tone(is, findings);
+  check_tone(config.installation, is, findings);
   if (const auto check = part(is, "check"); check.is_object()) {
     const auto found = fmt::format("{} ({})", text(check, "summary"), text(check, "utc"));
     const auto well = part(check, "well");

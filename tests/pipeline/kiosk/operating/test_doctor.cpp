@@ -134,7 +134,8 @@ TEST(DoctorAppliance, WarnsOfLandmarksThatContradictTheCamerasColours) {
 
 TEST(DoctorAppliance, WarnsOfLandmarksThatContradictTheResponse) {
   auto status = healthy_status();
-  const auto judged = [&] { return running(status, "air.tone"); };
+  RunConfig config;
+  const auto judged = [&] { return running(status, "air.tone", config); };
   EXPECT_FALSE(judged());
   status["visibility"] = {{"tone_exponent", 1.15}, {"tone_exponent_sigma", 0.08}};
   ASSERT_TRUE(judged());
@@ -143,6 +144,10 @@ TEST(DoctorAppliance, WarnsOfLandmarksThatContradictTheResponse) {
   EXPECT_EQ(judged()->grade, Grade::warning);
   EXPECT_THAT(judged()->found, HasSubstr("0.70 +- 0.05, which contradicts"));
   EXPECT_THAT(judged()->advice, HasSubstr("tone_exponent = 0.70"));
+  config.installation.scene.response = Response::linear();
+  EXPECT_EQ(judged()->advice, "kasumi calibrate response") << "a measured curve takes no such key";
+  config.installation.scene_tone_exponent = 1.2;
+  EXPECT_THAT(judged()->advice, HasSubstr("tone_exponent = 0.84")) << "beside what is corrected already";
   status["visibility"] = {{"tone_exponent", nullptr}, {"tone_exponent_sigma", "x"}};
   EXPECT_FALSE(judged()) << "a damaged status is harmless";
 }
