@@ -24,8 +24,8 @@ struct ToneSample {
 
 // Solves the exponent together with the contrasts without air of all landmarks (`before`: their mean and covariance
 // before any picture) and the extinctions of all pictures. Its sigma holds how far the answers without a sixth of the
-// pictures and of the landmarks differ. Not known by fewer than 20 pictures or four landmarks before the sky. Some 60 ms for 200
-// pictures of 16.
+// pictures and of the landmarks differ. Not known by fewer than 20 pictures or four landmarks before the
+// sky. Some 60 ms for 200 pictures of 16.
 ContrastTone contrast_tone(const std::vector<ToneSample>& pictures, const std::vector<LawOfLandmark>& laws,
                            const ContrastBelief& before, double usual_per_m, const ContrastSpread& spread = {});
 
