@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/clock.hpp"
-#include "base/words/rung.hpp"
+#include "base/status/rung.hpp"
 
 namespace kasumi {
 

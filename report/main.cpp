@@ -12,10 +12,10 @@
 
 #include "base/manual/finite_options.hpp"
 #include "base/manual/manual.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 #include "report/page/tokens.hpp"
 #include "report/reporter.hpp"
 #include "report/show.hpp"
-#include "report/status/diagnosis.hpp"
 #include "report/trial.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 #include "report/show.hpp"
 
-#include "report/status/symptom_words.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 
 namespace kasumi::report {
 

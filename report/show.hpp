@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/words/language.hpp"
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 namespace kasumi::report {
 

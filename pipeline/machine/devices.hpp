@@ -5,7 +5,7 @@
 
 #include "capture/reconnecting_source.hpp"
 #include "gles/display/display.hpp"
-#include "pipeline/machine/input/input_link.hpp"
+#include "pipeline/machine/buttons/input_link.hpp"
 #include "pipeline/machine/television.hpp"
 #include "pipeline/site/config/run_config.hpp"
 

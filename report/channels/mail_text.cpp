@@ -4,7 +4,7 @@
 
 #include "base/utc_text.hpp"
 #include "base/words/texts.hpp"
-#include "report/status/symptom_words.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 
 namespace kasumi::report {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 
 namespace kasumi::report {
 

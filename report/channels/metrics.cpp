@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
-#include "base/words/status_figures.hpp"
+#include "base/status/status_figures.hpp"
 
 namespace kasumi::report {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 
 namespace kasumi::report {
 

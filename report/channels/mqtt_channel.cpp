@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/latest_slot.hpp"
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 
 namespace kasumi::report {
 

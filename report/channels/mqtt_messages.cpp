@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "base/words/status_figures.hpp"
+#include "base/status/status_figures.hpp"
 #include "base/words/texts.hpp"
-#include "report/status/diagnosis.hpp"
-#include "report/status/symptom_words.hpp"
+#include "report/diagnosis/diagnosis.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 
 namespace kasumi::report {
 

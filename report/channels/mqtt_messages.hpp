@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/words/language.hpp"
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 namespace kasumi::report {
 

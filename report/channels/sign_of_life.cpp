@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 #include "report/web/web_request.hpp"
 
 namespace kasumi::report {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/clock.hpp"
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 namespace kasumi::report {
 

@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "base/words/status_figures.hpp"
+#include "base/status/status_figures.hpp"
 #include "base/words/texts.hpp"
 #include "history/history_plot.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 #include "report/page/bitmap.hpp"
-#include "report/status/symptom_words.hpp"
 
 namespace kasumi::report {
 

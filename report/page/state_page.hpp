@@ -7,8 +7,8 @@
 
 #include "base/words/language.hpp"
 #include "history/history_line.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 #include "report/page/screen_asking.hpp"
-#include "report/status/diagnosis.hpp"
 #include "report/web/content_pull.hpp"
 
 namespace kasumi::report {

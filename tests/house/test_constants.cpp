@@ -26,7 +26,7 @@ const std::vector<std::string> kExplained{"estimator/",
 // Not yet; a line that is no longer needed fails the test.
 const std::vector<std::string> kNotYet{"pipeline/kiosk/appliance/render_loop.cpp",
                                        "pipeline/kiosk/appliance/sky_loop.cpp", "report/channels/", "report/page/",
-                                       "report/status/"};
+                                       "report/diagnosis/"};
 
 bool begins_with_any(const std::string& name, const std::vector<std::string>& beginnings) {
   return std::ranges::any_of(beginnings, [&](const auto& beginning) { return name.starts_with(beginning); });

@@ -1,10 +1,10 @@
-// docs/fleet.md has the figures of status.json as base/words/status_figures.hpp has them.
+// docs/fleet.md has the figures of status.json as base/status/status_figures.hpp has them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
 
-#include "base/words/status_figures.hpp"
+#include "base/status/status_figures.hpp"
 #include "tests/house/repository.hpp"
 
 namespace kasumi::house {

@@ -7,7 +7,7 @@
 
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/appliance/status.hpp"
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 #include "report/web/content_pull.hpp"
 
 namespace kasumi {

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "base/words/texts.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 #include "report/show.hpp"
-#include "report/status/symptom_words.hpp"
 #include "tests/report/told.hpp"
 
 namespace kasumi::report {

@@ -3,7 +3,7 @@
 
 #include "base/utc_text.hpp"
 #include "report/channels/mail_channel.hpp"
-#include "report/status/symptom_words.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 #include "tests/report/running_reporter.hpp"
 
 namespace kasumi::report {

@@ -5,8 +5,8 @@
 
 #include "base/utc_text.hpp"
 #include "history/history_ring.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 #include "report/page/state_page.hpp"
-#include "report/status/symptom_words.hpp"
 #include "tests/browser.hpp"
 #include "tests/report/running_reporter.hpp"
 

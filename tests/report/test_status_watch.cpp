@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "base/files.hpp"
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 #include "tests/places.hpp"
 #include "tests/report/told.hpp"
 

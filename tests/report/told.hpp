@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 namespace kasumi::report {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "pipeline/kiosk/visitor/visitor_hand.hpp"
+#include "pipeline/machine/buttons/input_link.hpp"
 #include "pipeline/machine/devices.hpp"
-#include "pipeline/machine/input/input_link.hpp"
 #include "pipeline/show/stage/stage.hpp"
 
 namespace kasumi {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/clock.hpp"
-#include "base/words/rung.hpp"
+#include "base/status/rung.hpp"
 
 namespace kasumi {
 

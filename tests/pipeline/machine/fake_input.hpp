@@ -13,7 +13,7 @@
 
 #include <sys/ioctl.h>
 
-#include "pipeline/machine/input/input_device.hpp"
+#include "pipeline/machine/buttons/input_device.hpp"
 
 namespace kasumi {
 

@@ -1,4 +1,4 @@
-#include "pipeline/machine/input/input_reader.hpp"
+#include "pipeline/machine/buttons/input_reader.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
-// What was believed of a table of base/words/status_figures.hpp, by its keys: values["heat.celsius"].
+// What was believed of a table of base/status/status_figures.hpp, by its keys: values["heat.celsius"].
 #pragma once
 
 #include <array>
 #include <iterator>
 #include <optional>
 
-#include "base/words/status_figures.hpp"
+#include "base/status/status_figures.hpp"
 
 namespace kasumi::report {
 

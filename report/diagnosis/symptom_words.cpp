@@ -1,4 +1,4 @@
-#include "report/status/symptom_words.hpp"
+#include "report/diagnosis/symptom_words.hpp"
 
 #include "base/words/texts.hpp"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "pipeline/machine/input/input_device.hpp"
+#include "pipeline/machine/buttons/input_device.hpp"
 #include "pipeline/site/visitor/visitor_options.hpp"
 
 namespace kasumi {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "report/status/reported_status.hpp"
+#include "report/diagnosis/reported_status.hpp"
 
 namespace kasumi::report {
 

@@ -1,4 +1,4 @@
-#include "report/status/reported_status.hpp"
+#include "report/diagnosis/reported_status.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Buttons, knobs and touch screens: what is passed on of what a device sends, and what one can cost.
-#include "pipeline/machine/input/input_reader.hpp"
+#include "pipeline/machine/buttons/input_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 
 #include "base/outside/abandonable.hpp"
 #include "base/unique_fd.hpp"
-#include "pipeline/machine/input/input_link.hpp"
+#include "pipeline/machine/buttons/input_link.hpp"
 #include "tests/pipeline/machine/fake_input.hpp"
 
 namespace kasumi {

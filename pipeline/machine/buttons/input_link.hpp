@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "base/latest_slot.hpp"
-#include "pipeline/machine/input/input_reader.hpp"
+#include "pipeline/machine/buttons/input_reader.hpp"
 
 namespace kasumi {
 

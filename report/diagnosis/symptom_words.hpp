@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/words/language.hpp"
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 
 namespace kasumi::report {
 

@@ -1,4 +1,4 @@
-#include "pipeline/machine/input/input_device.hpp"
+#include "pipeline/machine/buttons/input_device.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

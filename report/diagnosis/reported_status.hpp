@@ -8,8 +8,8 @@
 
 #include "base/clock.hpp"
 #include "base/result.hpp"
-#include "base/words/rung.hpp"
-#include "report/status/believed_figures.hpp"
+#include "base/status/rung.hpp"
+#include "report/diagnosis/believed_figures.hpp"
 
 namespace kasumi::report {
 

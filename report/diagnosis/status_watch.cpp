@@ -1,4 +1,4 @@
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 #include <algorithm>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "base/words/rung.hpp"
+#include "base/status/rung.hpp"
 
 namespace kasumi {
 

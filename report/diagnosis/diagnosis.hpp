@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "report/status/status_watch.hpp"
+#include "report/diagnosis/status_watch.hpp"
 
 namespace kasumi::report {
 

@@ -1,4 +1,4 @@
-#include "pipeline/machine/input/input_link.hpp"
+#include "pipeline/machine/buttons/input_link.hpp"
 
 #include <spdlog/spdlog.h>
 

@@ -1,4 +1,4 @@
-#include "report/status/diagnosis.hpp"
+#include "report/diagnosis/diagnosis.hpp"
 
 #include <algorithm>
 #include <optional>
