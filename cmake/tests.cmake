@@ -1,12 +1,13 @@
 # kasumi_test(NAME SOURCES ... USES rooms ... LIBRARIES libraries ... [SHARDS N] [THREADED] [HOSTILE] [AS_SHIPPED] [FIGURES]
-#             [COMPUTES])
+#             [COMPUTES] [WAITS])
 #   One GoogleTest program, and a test of ctest for each of its N shards: a process that runs its share of the program's tests one
 #   after the other. Each writes its results to test-results/, from which tests/summary counts all tests, names skipped ones and takes
 #   the processor time. Tests find files, and folders to write to, through tests/places.hpp.
 #   THREADED programs share data between our own threads: the thread sanitizer runs them. HOSTILE ones handle external input or
 #   faults: the address sanitizer runs them. With KASUMI_LEAVE_TO_SANITIZERS (the gate's) both kinds run only there, but for those that
 #   measure the memory or replace the calls of the program AS_SHIPPED. FIGURES programs measure accuracy over many cases: ./bootstrap
-#   figures builds and runs them, the gate does not. Those and programs that COMPUTE for long themselves are optimised.
+#   figures builds and runs them, the gate does not. Those and programs that COMPUTE for long themselves are optimised. Of programs that
+#   mostly WAIT, for other processes or on the clock, one runs beside those that keep the cores busy.
 #   THREADED, HOSTILE and FIGURES are each a label of ctest, and a target that builds the programs with it: threaded_tests,
 #   hostile_tests, figures_tests.
 #   A program holds a room or a large part of one, since each is another 40 MB to link; where mold is installed, it does so in a
@@ -60,7 +61,7 @@ function(kasumi_compile_test name computes)
 endfunction()
 
 function(kasumi_test name)
-  cmake_parse_arguments(TEST "THREADED;HOSTILE;AS_SHIPPED;FIGURES;COMPUTES" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(TEST "THREADED;HOSTILE;AS_SHIPPED;FIGURES;COMPUTES;WAITS" "SHARDS" "SOURCES;USES;LIBRARIES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   set(left_to_sanitizers NO)
   if(KASUMI_LEAVE_TO_SANITIZERS AND NOT KASUMI_SANITIZE AND NOT TEST_AS_SHIPPED AND (TEST_THREADED OR TEST_HOSTILE))
@@ -98,6 +99,10 @@ function(kasumi_test name)
   if(NOT TEST_SHARDS)
     set(TEST_SHARDS 1)
   endif()
+  set(half_cores 2)
+  if(TEST_WAITS)
+    set(half_cores 1)
+  endif()
   # The thread sanitizer's deadlock detector gives up at 64 held locks, and the GL driver leaves some held with each context: few tests
   # in one process there.
   if(KASUMI_SANITIZE MATCHES "thread" AND TEST_THREADED)
@@ -113,6 +118,7 @@ function(kasumi_test name)
     set_tests_properties(${test} PROPERTIES
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${index};GTEST_OUTPUT=xml:${CMAKE_BINARY_DIR}/test-results/${test}.xml"
       LABELS "${labels}"
+      PROCESSORS ${half_cores}
       COST ${TEST_SHARDS}  # the longest begin first
       TIMEOUT 1200)
   endforeach()
