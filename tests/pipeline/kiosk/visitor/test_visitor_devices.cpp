@@ -106,7 +106,7 @@ TEST(Visitor, TenThousandRandomInputsLeaveStateMemoryAndPictureSane) {
   rig.advance(12s);
   const auto plain = rig.picture();
   std::mt19937 random(11);
-  constexpr int kKeys[] = {KEY_SPACE, KEY_E, KEY_L, KEY_P, KEY_S, KEY_V};
+  constexpr int kKeys[] = {KEY_SPACE, KEY_L, KEY_P, KEY_S, KEY_V, KEY_E};
   std::array<bool, std::size(kKeys)> down{};
   bool finger = false;
   std::set<std::string> eras;
@@ -116,7 +116,8 @@ TEST(Visitor, TenThousandRandomInputsLeaveStateMemoryAndPictureSane) {
   for (int i = 0; i < 10'000; ++i) {
     const auto what = random() % 10;
     if (what < 7) {
-      const auto key = random() % std::size(kKeys);
+      // An era is a model made ready anew, a tenth of a second of work: pressed a tenth as often as the others.
+      const auto key = random() % 51 * (std::size(kKeys) - 1) / 50;
       panel.key(kKeys[key], down[key] = !down[key]);
     } else if (what == 7) {
       panel.send(EV_KEY, BTN_TOUCH, (finger = !finger) ? 1 : 0);
