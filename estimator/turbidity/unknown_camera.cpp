@@ -17,7 +17,7 @@ constexpr double kMostlyClear = 0.80;                    // from this share on t
 constexpr Radians kNearestToBloom = from_degrees(15.0);  // an unknown lens scatters the sun's light that far
 constexpr int kFewestReadings = 60;                      // as a tone curve needs
 constexpr double kMostLeft = 0.30;                       // of ln light: no clear sky, whatever the camera
-constexpr double kMostSigmaAod = 0.2;  // of optical depth, where it is larger than the depth itself: no answer
+constexpr double kThickHaze = 1.0;  // of optical depth: an answer that excludes neither clear air nor this says nothing
 
 Refusal unknown(std::string reason) {
   return {SkyCondition::unknown, std::move(reason)};
@@ -47,8 +47,9 @@ std::optional<Refusal> refuse_by_sigma(const UncalibratedFit& fit, int readings)
     return unknown(fmt::format("no clear sky is nearer than {:.0f} %, whatever the camera's tone curve and rim loss",
                                100.0 * fit.log_residual));
   const double aod = fit.sky.found.aerosol.aod_550, sigma = std::sqrt(fit.sky.found.covariance.aod_550);
-  if (sigma > kMostSigmaAod && sigma > aod)
-    return unknown(fmt::format("the aerosol depth {:.2f} is uncertain by {:.2f}, more than itself", aod, sigma));
+  if (sigma > aod && aod + 2.0 * sigma > kThickHaze)
+    return unknown(fmt::format(
+        "the aerosol depth {:.2f} is uncertain by {:.2f}, so that this may be clear air or thick haze", aod, sigma));
   return std::nullopt;
 }
 
