@@ -60,12 +60,15 @@ Image<std::uint8_t> dither_texels() {
   return texels;
 }
 
-Image<glm::u8vec3> noise_texels() {
-  const auto numbers = normal_texels(std::size_t{3} * kNoiseSize * kNoiseSize);
-  Image<glm::u8vec3> texels(kNoiseSize, kNoiseSize);
-  for (std::size_t i = 0; i < texels.elements().size(); ++i)
-    texels.elements()[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
-  return texels;
+const Image<glm::u8vec3>& noise_texels() {
+  static const auto made = [] {
+    const auto numbers = normal_texels(std::size_t{3} * kNoiseSize * kNoiseSize);
+    Image<glm::u8vec3> texels(kNoiseSize, kNoiseSize);
+    for (std::size_t i = 0; i < texels.elements().size(); ++i)
+      texels.elements()[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+    return texels;
+  }();
+  return made;
 }
 
 GlTexture make_dither_pattern() {

@@ -18,7 +18,7 @@ GlTexture make_dither_pattern();
 
 // Normally distributed, mean 0 and variance 1 in each channel, from -4 to 4, for noise.glsl. Tiles.
 constexpr int kNoiseSize = 512;
-Image<glm::u8vec3> noise_texels();
+const Image<glm::u8vec3>& noise_texels();  // made once
 GlTexture make_noise_pattern();
 // Offset of the pattern with that number, in texels.
 glm::ivec2 noise_start(std::uint32_t number);

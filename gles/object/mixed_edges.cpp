@@ -357,7 +357,7 @@ void mix_all(Text& text, const EdgeInputs& in, const std::vector<PixelBox>& rect
         text.object = {texel.r, texel.g, texel.b, texel.a};
         text.steps = dither_at(in.patterns.dither, x, y);
         const glm::vec3 noise =
-            glm::vec3(repeated(in.patterns.noise, x + noise_first.x, y + noise_first.y)) * (1.0F / 255.0F);
+            glm::vec3(repeated(*in.patterns.noise, x + noise_first.x, y + noise_first.y)) * (1.0F / 255.0F);
         text.numbers = {vec3(noise.x, noise.y, noise.z), 1.0F};
         text.v_picture = {(static_cast<float>(x) + 0.5F) / static_cast<float>(width),
                           (static_cast<float>(y) + 0.5F) / static_cast<float>(height)};

@@ -23,7 +23,7 @@ struct ResponseTables {
 // The patterns of gles/gl/patterns.hpp.
 struct MixPatterns {
   Image<std::uint8_t> dither;
-  Image<glm::u8vec3> noise;
+  const Image<glm::u8vec3>* noise;
 };
 
 // The object's layer as its texture holds it (layer.glsl).

@@ -22,7 +22,7 @@ glm::ivec2 corner(const PixelBox& box) {
 
 }  // namespace
 
-ProcessorMix::ProcessorMix() : response_(ResponseCurve{}), patterns_{dither_texels(), noise_texels()} {}
+ProcessorMix::ProcessorMix() : response_(ResponseCurve{}), patterns_{dither_texels(), &noise_texels()} {}
 
 void ProcessorMix::take_layer(LayerTexels layer, const Composite& composite) {
   layer_ = std::move(layer);
