@@ -37,6 +37,15 @@ Result<LayerBuffer> LayerBuffer::create(int width, int height, bool in_8_bits, c
   return made;
 }
 
+Result<> LayerBuffer::fill(const Image<glm::u16vec4>& halves, const GlInfo& info) {
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, texture.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, halves.width(), halves.height(), GL_RGBA,
+                  info.es_major >= 3 ? kHalfFloat : GL_HALF_FLOAT_OES, halves.elements().data());
+  return check_gl("filling a layer");
+}
+
 Result<Image<glm::u8vec4>> read_pixels(const LayerBuffer& buffer, int width, int height) {
   Image<glm::u8vec4> pixels(width, height);
   glBindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer.name());

@@ -16,6 +16,8 @@ struct LayerBuffer {
 
   // RGBA in 8 bits or half floats, unfiltered, clamped to its edges. `what` names it in error messages. Errors: device.
   static Result<LayerBuffer> create(int width, int height, bool in_8_bits, const GlInfo& info, std::string_view what);
+  // Into a buffer of that size in half floats. Errors: device.
+  Result<> fill(const Image<glm::u16vec4>& halves, const GlInfo& info);
 };
 
 // Of a buffer of that size in 8 bits, its first row first. BLOCKS until it is drawn. Errors: device.

@@ -192,6 +192,24 @@ int ObjectLayer::margin_px(const ObjectDetail& detail) {
   return pixels_of(spare_samples(detail));
 }
 
+Result<ObjectLayer> ObjectLayer::create(const PixelBox& box, bool in_8_bits, const GlInfo& info) {
+  ObjectLayer layer;
+  layer.box_ = box;
+  layer.in_8_bits_ = in_8_bits;
+  layer.filters_ = in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
+  auto buffer = LayerBuffer::create(box.right - box.left, box.bottom - box.top, in_8_bits, info, "the object's layer");
+  if (!buffer) return fail(buffer.error());
+  layer.buffer_ = std::move(*buffer);
+  return layer;
+}
+
+Result<ObjectLayer> ObjectLayer::restore(const PixelBox& box, const Image<glm::u16vec4>& halves, const GlInfo& info) {
+  auto layer = create(box, false, info);
+  if (!layer) return layer;
+  if (auto filled = layer->buffer_.fill(halves, info); !filled) return fail(filled.error());
+  return layer;
+}
+
 Result<ObjectLayer> ObjectLayer::draw(const GpuModel& model, const Projection& projection, const PixelBox& box,
                                       const AirlightGrid& horizon, const Options& options, const GlInfo& info,
                                       Programs& programs, const std::function<void(const Program&)>& set_appearance) {
@@ -284,15 +302,9 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
                                          const AirlightGrid& horizon, const ObjectLayer::Options& options,
                                          const GlInfo& info, Programs& programs,
                                          std::function<void(const Program&)> set_appearance) {
-  ObjectLayer layer;
-  layer.box_ = box;
-  layer.in_8_bits_ = options.in_8_bits;
-  layer.unit_ = options.in_8_bits ? options.unit : 1.0;
-  layer.filters_ = options.in_8_bits || info.es_major >= 3 || info.has("GL_OES_texture_half_float_linear");
-  auto buffer =
-      LayerBuffer::create(box.right - box.left, box.bottom - box.top, options.in_8_bits, info, "the object's layer");
-  if (!buffer) return fail(buffer.error());
-  layer.buffer_ = std::move(*buffer);
+  auto layer = ObjectLayer::create(box, options.in_8_bits, info);
+  if (!layer) return fail(layer.error());
+  if (options.in_8_bits) layer->unit_ = options.unit;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);  // into the buffer just created
   auto lattice = LayerLattice::create(options, info, programs);
@@ -300,7 +312,7 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
   const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options, *lattice));
   if (!resolving) return fail(resolving.error());
   return LayerDrawing(std::make_unique<State>(
-      State{info.software, model, projection, horizon, options, programs, std::move(set_appearance), std::move(layer),
+      State{info.software, model, projection, horizon, options, programs, std::move(set_appearance), std::move(*layer),
             std::move(*lattice), *resolving, object_defines(options, projection),
             depth_range(projection, model.bounds_with_ground()), tiles_reached(model, box, horizon, options)}));
 }

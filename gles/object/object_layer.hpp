@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include <glm/gtc/type_precision.hpp>
 #include <glm/vec4.hpp>
 
 #include "base/image.hpp"
@@ -43,6 +44,9 @@ class ObjectLayer {
                                   const AirlightGrid& horizon, const Options& options, const GlInfo& info,
                                   Programs& programs, const std::function<void(const Program&)>& set_appearance);
 
+  // From its texels as half floats (layer.glsl). Errors: device.
+  static Result<ObjectLayer> restore(const PixelBox& box, const Image<glm::u16vec4>& halves, const GlInfo& info);
+
   const PixelBox& box() const { return box_; }
   // Sets uniforms of picture.frag and binds the texture to kLayerUnit.
   void bind(const Program& program, bool smooth) const;
@@ -55,6 +59,7 @@ class ObjectLayer {
  private:
   friend class LayerDrawing;
   ObjectLayer() = default;
+  static Result<ObjectLayer> create(const PixelBox& box, bool in_8_bits, const GlInfo& info);
   PixelBox box_;
   bool in_8_bits_ = false;  // else half floats
   double unit_ = 1.0;

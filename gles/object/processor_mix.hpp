@@ -25,6 +25,7 @@ class ProcessorMix {
   // What stays between pictures.
   void take_response(const ResponseCurve& response) { response_ = ResponseTables(response); }
   void take_layer(LayerTexels layer, const Composite& composite);
+  const LayerTexels& layer() const { return layer_; }
   void take_matte(MatteNodes nodes) { nodes_ = std::move(nodes); }
   // Each picture's own. Errors: bad_input (no pixels, planes too small).
   Result<> take_picture(const PictureView& picture) { return planes_.take(picture); }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include <glm/gtc/packing.hpp>
+
 #include "gles/gl/gl.hpp"
 #include "gles/gl/patterns.hpp"
 #include "gles/gl/texture_units.hpp"
@@ -24,6 +26,14 @@ void check(const ObjectDetail& detail, Problems& problems) {
                  detail.chroma_rows);
   if (!(detail.sharpening >= 0.0 && detail.sharpening <= kStrongestSharpening))
     problems.add("detail: sharpening by {}: expected 0 .. {}", detail.sharpening, kStrongestSharpening);
+}
+
+// Half floats whose exponent has all five bits are infinite or no numbers.
+bool is_finite(const glm::u16vec4& halves) {
+  constexpr std::uint16_t kExponent = 0x7C00;  // IEEE 754
+  for (int c = 0; c < 4; ++c)
+    if ((halves[c] & kExponent) == kExponent) return false;
+  return true;
 }
 
 // Calls it until it says that it is done.
@@ -254,6 +264,36 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
       for (int x = 0; x < texels->width(); ++x)
         texels->at(x, y) *= static_cast<float>(s.foreground->mask().at(box.left + x, box.top + y)) / 255.0f;
   return texels;
+}
+
+std::optional<KeptLayer> Renderer::layer_to_keep() const {
+  const State& s = *state_;
+  if (!s.layer || !s.mix || s.layer_in_8_bits()) return std::nullopt;
+  const auto& texels = s.mix->layer().texels;
+  KeptLayer kept{s.box, s.detail, Image<glm::u16vec4>(texels.width(), texels.height())};
+  std::ranges::transform(texels.elements(), kept.halves.elements().begin(),
+                         [](const glm::vec4& texel) { return glm::packHalf(texel); });
+  return kept;
+}
+
+Result<> Renderer::restore_layer(const KeptLayer& kept) {
+  State& s = *state_;
+  if (auto ready = s.ready_for_object(); !ready) return ready;
+  Problems problems;
+  check(kept.detail, problems);
+  if (!problems.empty()) return fail(problems.fault());
+  const PixelBox box = s.box_with(kept.detail);
+  const glm::ivec2 size{box.right - box.left, box.bottom - box.top};
+  if (s.layer_in_8_bits() || box.empty() || box != kept.box || kept.halves.width() != size.x ||
+      kept.halves.height() != size.y)
+    return fail(
+        FaultKind::bad_input, "a layer of {} x {} pixels at ({}, {}): the object's box is of {} x {} at ({}, {})",
+        kept.halves.width(), kept.halves.height(), kept.box.left, kept.box.top, size.x, size.y, box.left, box.top);
+  if (!std::ranges::all_of(kept.halves.elements(), is_finite))
+    return fail(FaultKind::bad_input, "a layer with values that are no numbers");
+  auto layer = ObjectLayer::restore(box, kept.halves, s.info);
+  if (!layer) return fail(layer.error());
+  return s.take_layer(std::move(*layer), kept.detail);
 }
 
 Result<> Renderer::upload(const PictureView& frame, std::shared_ptr<const JpegSteps> jpeg) {

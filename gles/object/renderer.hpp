@@ -20,6 +20,7 @@
 #include <optional>
 #include <vector>
 
+#include <glm/gtc/type_precision.hpp>
 #include <glm/mat4x4.hpp>
 
 #include "base/image.hpp"
@@ -42,6 +43,13 @@ struct WithLayer {
   std::optional<ObjectDetail> detail{};       // from when the layer is whole; empty: as it is
   std::shared_ptr<const AtlasSquares> sky{};  // atlas_squares() of its light; null: computed in begin_layer()
   bool soon = false;                          // software GL draws its shadow from maps half as wide: a coarse one
+};
+
+// A layer in memory, as a file may hold it. It has no pixel of the camera's.
+struct KeptLayer {
+  PixelBox box;
+  ObjectDetail detail;
+  Image<glm::u16vec4> halves;  // its texels (layer.glsl) as half floats
 };
 
 class Renderer {
@@ -100,6 +108,12 @@ class Renderer {
   // The cached layer: premultiplied N = rho Gamma + 1 - Gamma in rgb, coverage in a (physics 6), one element per pixel
   // of object_box(). For tests and masks.
   Result<Image<glm::vec4>> read_layer();
+
+  // The cached layer for restore_layer(), where the processor mixes and the driver has half floats; empty: none.
+  std::optional<KeptLayer> layer_to_keep() const;
+  // In the place of a layer that is drawn, and as if it were. Needs a model and a view. Errors: bad_input (another box,
+  // impossible values), device.
+  Result<> restore_layer(const KeptLayer& kept);
 
   // The camera's picture, of the view's size (others are refused with bad_input, keeping the last one). Its planes are
   // not needed after this returns.

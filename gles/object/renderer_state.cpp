@@ -223,21 +223,27 @@ Result<> Renderer::State::begin_tiles(UnfinishedLayer& unfinished) {
   return {};
 }
 
-Result<> Renderer::State::finish_layer(ObjectLayer drawn) {
-  const auto texels = drawn.read();
+Result<> Renderer::State::take_layer(ObjectLayer made, const ObjectDetail& with) {
+  const auto texels = made.read();
   if (!texels) return fail(texels.error());
-  composite.take(drawn, projection->view, *texels, foreground ? &*foreground : nullptr);
+  composite.take(made, projection->view, *texels, foreground ? &*foreground : nullptr);
   if (mix) {
-    auto stored = drawn.read_texels();
+    auto stored = made.read_texels();
     if (!stored) return fail(stored.error());
-    mix->take_layer({drawn.box(), drawn.unit(), std::move(*stored)}, composite);
+    mix->take_layer({made.box(), made.unit(), std::move(*stored)}, composite);
   }
   if (processing) processing->forget();
   if (auto found = find_matte(); !found) return found;
-  layer = std::move(drawn);
-  detail = unfinished_layer->detail;
-  box = unfinished_layer->box;
+  detail = with;
+  box = made.box();
+  layer = std::move(made);
   unfinished_layer.reset();
+  return {};
+}
+
+Result<> Renderer::State::finish_layer(ObjectLayer drawn) {
+  const ObjectDetail with = unfinished_layer->detail;
+  if (auto taken = take_layer(std::move(drawn), with); !taken) return taken;
   shadow.reset();  // its maps are large, and the sun moves on
   release_compiler();
   return check_gl("cutting the picture");

@@ -112,6 +112,7 @@ struct Renderer::State {
   // The shadow is there.
   Result<> begin_tiles(UnfinishedLayer& unfinished);
   Result<> finish_layer(ObjectLayer drawn);
+  Result<> take_layer(ObjectLayer made, const ObjectDetail& with);
 
   // Of the unfinished layer. true: it is whole.
   Result<bool> next_piece();

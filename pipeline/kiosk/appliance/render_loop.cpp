@@ -19,8 +19,9 @@ constexpr Duration kPollInterval = 100ms;   // for everything that is cheap to c
 constexpr Duration kRefreshInterval = 1s;   // an unchanged picture is shown again: it proves that the loop is alive
 constexpr Duration kContentMessage = 2min;  // that earlier content is shown
 constexpr Duration kFadeStep = 33ms;
-constexpr Duration kEraFade = 400ms;     // seen as a change, and over before one waits for it
-constexpr Duration kVisitorStep = 20ms;  // a hand that wipes sees its wipe follow
+constexpr Duration kEraFade = 400ms;        // seen as a change, and over before one waits for it
+constexpr Duration kVisitorStep = 20ms;     // a hand that wipes sees its wipe follow
+constexpr Duration kLayerInterval = 10min;  // flash memory wears, and the layer is of a few megabytes
 constexpr Duration kRenderStatusInterval = 500ms;
 constexpr Duration kSkySilence = 2s;    // the sky's loop usually tells its news once a second
 constexpr Duration kHangRestart = 60s;  // a camera's loop hangs for so long: restart
@@ -72,6 +73,8 @@ RenderLoop::RenderLoop(ContentPtr content, Devices& devices, Clock& clock, Notif
       watchdog_(notifier),
       ladder_(content_->config.ladder),
       screen_(content_, devices, clock, watchdog_, status_.display),
+      recall_(content_, clock.utc()),
+      layer_kept_at_(clock.now()),
       started_(clock.now()),
       snapshots_(mailboxes.snapshot),
       visitor_(devices, clock, [&mailboxes] { mailboxes.render.bell.ring(); }),
@@ -104,6 +107,7 @@ Instant RenderLoop::take_step() {
   if (!screen_.is_open() && screen_.try_open()) {
     shown_.reset();
     picture_at_.reset();  // the new stage has no scene picture
+    if (auto before = recall_.take(content_)) screen_.stage().scene().layer().offer(std::move(*before));
   }
   update_rung();
   tell_television();
@@ -257,6 +261,7 @@ LadderInput RenderLoop::ladder_input() const {
   input.sun_known = sky_.sun_known();
   input.open = is_open();
   input.display = screen_.is_open();
+  input.unseen = screen_.is_open() && screen_.nothing_shown();
   return input;
 }
 
@@ -309,6 +314,22 @@ Snapshot RenderLoop::snapshot_facts() const {
 
 bool RenderLoop::is_building_seen() const {
   return screen_.is_open() && screen_.stage().draws_object() && status_.rung.still < 1.0 && status_.rung.dark < 1.0;
+}
+
+// The start before compiled the same shaders, and nothing has to be drawn for long.
+bool RenderLoop::can_begin_live() const {
+  return waiting_ && sky_.sun_known() && screen_.stage().scene().has_layer_for(sky_.report);
+}
+
+// For the next start, unless that was done less than `after` ago.
+void RenderLoop::keep_layer(Duration after) {
+  const auto now = clock_.now();
+  if (now - layer_kept_at_ < after || !content_->config.state_folder || !sky_.clock_trusted || !is_building_seen())
+    return;
+  auto layer = screen_.stage().scene().layer_to_keep();
+  if (!layer) return;
+  layer_kept_at_ = now;
+  mailboxes_.status->layer.put({content_, clock_.utc(), std::move(*layer)});
 }
 
 // While the air is still known, visitors need not hear of a missing sky camera.
@@ -376,7 +397,7 @@ void RenderLoop::present() {
   read_mailbox();  // a newer frame may have arrived while waiting for the buffer
   // The still picture goes first: a driver may take long to compile the scene's shaders, and the screen must not be
   // black meanwhile.
-  const bool unseen = screen_.nothing_shown() || is_closed();
+  const bool unseen = (screen_.nothing_shown() && !can_begin_live()) || is_closed();
   const auto frame = unseen ? std::nullopt : std::exchange(waiting_, std::nullopt);
   const auto* newest = frame ? &*frame : nullptr;
   const auto holder = frame ? frame->holder : nullptr;
@@ -408,6 +429,7 @@ void RenderLoop::present() {
     mailboxes_.horizon.layer_question.put(std::move(*question));
     mailboxes_.horizon.bell.ring();
   }
+  keep_layer(kLayerInterval);
   ++status_.scene_frames;
   layout_ = frame->picture.view().layout;
   latency_.shown(*number, frame->metadata.captured_at);
@@ -481,6 +503,7 @@ void RenderLoop::finish() {
   record_flips();
   waiting_.reset();
   next_.lose();
+  keep_layer({});
   screen_.close();
   status_.rung.shown = Shown::nothing;
   status_.rung.trouble = screen_.refused().empty() ? Trouble::stopped : Trouble::starting;

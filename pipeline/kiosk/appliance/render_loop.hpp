@@ -11,6 +11,7 @@
 #include "pipeline/kiosk/appliance/screen.hpp"
 #include "pipeline/kiosk/appliance/snapshot_desk.hpp"
 #include "pipeline/kiosk/loop/hang_watch.hpp"
+#include "pipeline/kiosk/start/remembered_layer.hpp"
 #include "pipeline/kiosk/visitor/visitor_desk.hpp"
 #include "pipeline/machine/devices.hpp"
 #include "pipeline/machine/watchdog.hpp"
@@ -57,6 +58,8 @@ class RenderLoop {
   std::vector<std::string> words() const;  // a line each: that somebody looks at the screen, and visible_message()
   bool is_due(Instant now) const;
   bool is_building_seen() const;
+  bool can_begin_live() const;
+  void keep_layer(Duration after);
   Snapshot snapshot_facts() const;
 
   void handle_screen_fault(const Fault& fault);
@@ -84,6 +87,8 @@ class RenderLoop {
   Ladder ladder_;
   RenderStatus status_;
   Screen screen_;
+  LayerRecall recall_;
+  Instant layer_kept_at_;
   NextStage next_;  // its GL objects belong to the screen's context
   bool closed_ = false;
   const Instant started_;

@@ -163,6 +163,7 @@ void StatusLoop::step() {
   count_presses();
   if (status_.now - presses_kept_ >= kPressesInterval) keep_presses();
   if (status_.now - saved_ >= options_.save_interval) save_air();
+  keep_layer();
   if (status_.now >= trim_at_) {
     trim_at_ = status_.now + kTrimInterval;
     ::malloc_trim(0);
@@ -178,6 +179,7 @@ void StatusLoop::keep() {
   keep_history(minute_.end());
   write_status();
   save_air();
+  keep_layer();
   count_presses();
   keep_presses();
   if (options_.starts) options_.starts->writer().flush(1s);
@@ -232,6 +234,15 @@ void StatusLoop::keep_presses() {
   if (!folder || fresh.empty()) return;
   note("presses", [kept = kept_, fresh = std::move(fresh), file = *folder / kPressesFile, utc = status_.utc] {
     log_outage(add_presses(file, fresh, utc), kept->presses_failing, "visitors' presses");
+  });
+}
+
+void StatusLoop::keep_layer() {
+  auto layer = mailboxes_.status->layer.take();
+  const auto& folder = content_->config.state_folder;
+  if (!layer || !folder) return;
+  note("layer", [kept = kept_, state = std::move(*layer), to = *folder] {
+    log_outage(save(state, to), kept->layer_failing, "layer");
   });
 }
 

@@ -37,6 +37,7 @@ class StatusLoop {
   void gather();
   void write_status();
   void save_air();
+  void keep_layer();
   void keep_history(const std::optional<HistoryLine>& minute);
   void count_presses();
   void keep_presses();
@@ -68,7 +69,9 @@ class StatusLoop {
   HistoryMinute minute_;
   struct Kept {  // owned by the writers
     HistoryKeeper history;
-    bool air_failing = false, history_failing = false, presses_failing = false, status_failing = false;  // logged
+    // Logged.
+    bool air_failing = false, history_failing = false, layer_failing = false, presses_failing = false,
+         status_failing = false;
   };
   std::shared_ptr<Kept> kept_ = std::make_shared<Kept>();
   std::array<std::uint64_t, kHandKeys> presses_{};  // since the start, as last told

@@ -13,6 +13,7 @@
 #include "pipeline/kiosk/content/probation.hpp"
 #include "pipeline/kiosk/loop/latency.hpp"
 #include "pipeline/kiosk/loop/television_switch.hpp"
+#include "pipeline/kiosk/start/remembered_layer.hpp"
 #include "pipeline/kiosk/visitor/visitor_desk.hpp"
 #include "pipeline/site/config/ladder.hpp"
 
@@ -91,6 +92,7 @@ struct StatusMailbox : Mailbox {
   LatestSlot<VisibilityStatus> visibility;
   LatestSlot<ProbationStatus> probation;
   LatestSlot<TelevisionStatus> television;
+  LatestSlot<LayerState> layer;  // to be kept
 };
 
 }  // namespace kasumi

@@ -10,6 +10,7 @@
 #include "base/outside/json_depth.hpp"
 #include "base/table/config_table.hpp"
 #include "base/utc_text.hpp"
+#include "pipeline/kiosk/start/file_hash.hpp"
 
 namespace kasumi {
 
@@ -70,10 +71,10 @@ std::string json_text(const Kept& kept) {
 }
 
 // FNV-1a, 64 bits: against what a disk does, not against people.
-std::string hash_of(std::span<const std::uint8_t> bytes) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const auto byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
-  return fmt::format("{:016x}", hash);
+std::string hash_of_copy(std::span<const std::uint8_t> bytes) {
+  FileHash hash;
+  hash.add(bytes);
+  return hash.hex();
 }
 
 // Returns its hash.
@@ -85,7 +86,7 @@ Result<std::string> copy(const ContentFile& file, const fs::path& copies) {
   const auto bytes = read_file(file.path);
   if (!bytes) return fail(bytes.error());
   if (auto written = write_file(to, *bytes); !written) return fail(written.error());
-  return hash_of(*bytes);
+  return hash_of_copy(*bytes);
 }
 
 Result<> undamaged(const Kept& kept, const fs::path& copies) {
@@ -93,7 +94,7 @@ Result<> undamaged(const Kept& kept, const fs::path& copies) {
     const auto place = ConfigTable::place_of_copy(file.path, copies);
     const auto bytes = read_file(place);
     if (!bytes) return fail(bytes.error());
-    if (!hash.empty() && hash_of(*bytes) != hash)
+    if (!hash.empty() && hash_of_copy(*bytes) != hash)
       return fail(FaultKind::bad_input, "{}: damaged since it was kept", place.string());
   }
   return {};

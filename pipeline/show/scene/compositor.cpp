@@ -49,8 +49,9 @@ Result<> Compositor::follow(const FrameMetadata& metadata, const DecodedPicture&
     around_.look_at_ground(metadata, picture.view(), *layer_.appearance_at(now, air_, box), air_.measured(now, box));
   }
   const auto under = under_view(now, wanted, sky);
-  auto updated = clock_ && layer_.any() ? layer_.update_in_slices(renderer_, air_, under, metadata.captured_at, *clock_)
-                                        : layer_.update_at_once(renderer_, air_, under, clock_ != nullptr);
+  auto updated = !clock_        ? layer_.update_at_once(renderer_, air_, under)
+                 : layer_.any() ? layer_.update_in_slices(renderer_, air_, under, metadata.captured_at, *clock_)
+                                : layer_.update_soon(renderer_, air_, under, metadata.captured_at);
   if (horizon.valid()) air_.adopt(horizon.get());
   measured_ = air_.measured(now, renderer_.object_box());
   if (!is_in_other_light() && layer_.view() == BuildingView::live)

@@ -89,6 +89,10 @@ class Compositor {
   void adopt(const HorizonAnswer& answer);
   void adopt(LayerAnswer answer) { layer_.adopt(std::move(answer)); }
 
+  // Whether the next picture need not wait until a layer is drawn.
+  bool has_layer_for(const SkyReport& sky) const { return layer_.is_at_hand(air_.conditions(sky)); }
+  std::optional<LayerOfBefore> layer_to_keep() const { return layer_.to_keep(renderer_); }
+
   const SceneAir& air() const { return air_; }
   // Each has its question, to be answered by somebody else.
   BuildingLayer& layer() { return layer_; }

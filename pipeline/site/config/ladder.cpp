@@ -33,7 +33,8 @@ Shown Ladder::rung_for(Instant now, const LadderInput& input, Trouble trouble) {
 Rung Ladder::step(Instant now, const LadderInput& input) {
   const auto trouble = scene_trouble(input);
   const auto shown = rung_for(now, input, trouble);
-  const double moved = stepped_ ? std::max(0.0, to_seconds(now - *stepped_) / to_seconds(options_.fade)) : 1.0;
+  const double moved =
+      stepped_ && !input.unseen ? std::max(0.0, to_seconds(now - *stepped_) / to_seconds(options_.fade)) : 1.0;
   const auto towards = [&](double from, double to) { return from + std::clamp(to - from, -moved, moved); };
 
   // Before the first picture there is nothing to fade from: the still appears at once.

@@ -27,6 +27,7 @@ struct LadderInput {
   bool sun_known = false;
   bool open = true;
   bool display = true;  // there is one
+  bool unseen = false;  // nothing is on it yet: there is nothing to fade from
 };
 
 struct Rung {

@@ -157,8 +157,11 @@ Rig::Rig(RigOptions options)
       observe_every_(options.observe_every) {
   options.sky.observe_every = observe_every_;
   if (!options.keep_folder) std::filesystem::remove_all(folder);
-  config = write_config(folder, options.clock_policy, options.recording.empty() ? bench_fixture() : options.recording);
-  check(write_text_file(config, options.first_config + read_text_file(config).value() + options.more_config));
+  config = folder / "kasumi.toml";
+  if (!options.keep_content) {
+    write_config(folder, options.clock_policy, options.recording.empty() ? bench_fixture() : options.recording);
+    check(write_text_file(config, options.first_config + read_text_file(config).value() + options.more_config));
+  }
   devices.display = options.display;
   auto content = read_content(config);
   if (!content) {

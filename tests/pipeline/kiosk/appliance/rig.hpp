@@ -104,7 +104,8 @@ struct RigOptions {
   ObservationPlan sky{};
   // How often sky and horizon are observed, which is most of an appliance's work; a kiosk does so every second.
   Duration observe_every = 5s;
-  bool keep_folder = false;  // keep what an earlier rig of that name left on disk
+  bool keep_folder = false;   // keep what an earlier rig of that name left on disk
+  bool keep_content = false;  // and its configuration and content, to the time stamp
   DisplayFaults display{};
   ReloadLoop::Probes probes{};
   StartLog* starts = nullptr;

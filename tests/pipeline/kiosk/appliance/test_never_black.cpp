@@ -301,7 +301,7 @@ TEST_F(NeverBlack, Row40EveryFileOfAStartMayFailHangOrBeEmpty) {
       SCOPED_TRACE(input + ", " + way);
       make("inputs");
       if (input == "/state/") {  // as an earlier start left them
-        for (const char* name : {"turbidity.json", "landmarks.json", "ground.bin", "starts.json"}) {
+        for (const char* name : {"turbidity.json", "landmarks.json", "ground.bin", "layer.bin", "starts.json"}) {
           ASSERT_TRUE(write_text_file(state / name, way == "empty" ? "" : "{}"));
         }
       } else if (way == "empty") {

@@ -99,7 +99,6 @@ TEST_P(LiveCompositors, RedrawALayerOverSeveralPictures) {
   live.go_live(clock);
   for (auto* compositor : {&live, &at_once}) drawn(*compositor, frame);
   EXPECT_EQ(live.layer().drawn(), 1u) << "the first, without which there is no building";
-  EXPECT_FALSE(live.layer().take_question());
   settle(live, frame);
   const auto layers = live.layer().drawn();
   report_.sun.direction = SunDirection{0.36, -0.48, 0.8};
