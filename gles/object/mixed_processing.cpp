@@ -9,14 +9,16 @@
 #include <utility>
 
 #include "gles/object/changed_blocks.hpp"
+#include "gles/picture/wide_vectors.hpp"
 
 namespace kasumi {
 namespace {
 
 constexpr int kSide = 8;  // of a block of samples
 
-using Row = float __attribute__((vector_size(4 * kSide)));
-using Whole = std::int32_t __attribute__((vector_size(4 * kSide)));
+static_assert(kSide == kLanes);
+using Row = Floats;
+using Whole = Words;
 struct Block {
   Row rows[kSide];
 };
@@ -182,11 +184,13 @@ const MixedProcessing::Wanted& MixedProcessing::begin(std::size_t pattern, std::
 }
 
 void MixedProcessing::apply(Image<glm::u8vec4>& picture, Image<glm::u8vec4>& composite) {
-  if (options_.sharpening > 0.0) sharpen(picture, composite);
   const auto& blocks = only_live_ ? live_.blocks : all_.blocks;
-  if (options_.jpeg)
-    for (const PixelBox& row : blocks)
-      for (int left = row.left; left < row.right; left += kBlock_px) round_block(left, row.top, composite);
+  run_by_widest([&] {
+    if (options_.sharpening > 0.0) sharpen(picture, composite);
+    if (options_.jpeg)
+      for (const PixelBox& row : blocks)
+        for (int left = row.left; left < row.right; left += kBlock_px) round_block(left, row.top, composite);
+  });
 
   const glm::ivec2 end = last() + 1;
   const auto each_row = [&](const std::vector<PixelBox>& boxes, auto&& work) {

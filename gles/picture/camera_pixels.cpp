@@ -6,13 +6,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "gles/picture/wide_vectors.hpp"
+
 namespace kasumi {
 namespace {
 
-// Pixels that are converted at a time. A processor without vectors of this size gets them in parts.
-constexpr std::size_t kLanes = 8;
-using Floats = float __attribute__((vector_size(4 * kLanes)));
-using Words = std::int32_t __attribute__((vector_size(4 * kLanes)));
 static_assert(std::endian::native == std::endian::little);
 
 // A row's luma and chroma, a value a pixel, and as many more as make the last vector whole.
@@ -29,15 +27,14 @@ struct PlaneRow {
 
 // The first of each run of `step` bytes, for `repeat` pixels each.
 template <std::size_t step, std::size_t repeat>
-[[gnu::always_inline]] inline void spread(PlaneRow from, std::size_t width, std::vector<float>& to) {
+void spread(PlaneRow from, std::size_t width, std::vector<float>& to) {
   const std::uint8_t* __restrict bytes = from.first;
   float* __restrict values = to.data();
   for (std::size_t i = 0; i < (width + repeat - 1) / repeat; ++i)
     for (std::size_t k = 0; k < repeat; ++k) values[repeat * i + k] = static_cast<float>(bytes[i * step]) - from.offset;
 }
 
-[[gnu::always_inline]] inline void read_row(const PictureView& p, const glm::vec3& offset, std::size_t row,
-                                            YuvRow& to) {
+void read_row(const PictureView& p, const glm::vec3& offset, std::size_t row, YuvRow& to) {
   const auto width = static_cast<std::size_t>(p.width);
   const auto line = [&](std::size_t plane, std::size_t of) {
     return p.planes[plane].data + of * p.planes[plane].stride;
@@ -71,7 +68,7 @@ template <std::size_t step, std::size_t repeat>
 }
 
 // As to_rgb(): the same products in the same order.
-[[gnu::always_inline]] inline void convert(const PictureView& p, Image<glm::u8vec4>& pixels) {
+void convert(const PictureView& p, Image<glm::u8vec4>& pixels) {
   const YuvToRgb m = yuv_to_rgb(p.encoding);
   const auto width = static_cast<std::size_t>(p.width);
   YuvRow line(width);
@@ -98,15 +95,6 @@ template <std::size_t step, std::size_t repeat>
     }
   }
 }
-
-void convert_anywhere(const PictureView& picture, Image<glm::u8vec4>& pixels) {
-  convert(picture, pixels);
-}
-#if defined(__x86_64__)
-[[gnu::target("avx2")]] void convert_by_avx2(const PictureView& picture, Image<glm::u8vec4>& pixels) {
-  convert(picture, pixels);
-}
-#endif
 
 // Of the layouts without chroma: bytes a pixel, and where red, green and blue lie.
 struct RgbBytes {
@@ -176,10 +164,7 @@ void to_rgba(const PictureView& picture, Image<glm::u8vec4>& pixels) {
     }
     return;
   }
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return convert_by_avx2(picture, pixels);
-#endif
-  convert_anywhere(picture, pixels);
+  run_by_widest([&] { convert(picture, pixels); });
 }
 
 glm::vec3 encoded_at(const PictureView& p, const YuvToRgb& matrix, int px, int py) {
