@@ -11,10 +11,10 @@
 #include "gles/object/in_front.hpp"
 #include "gles/object/matte.hpp"
 #include "gles/object/object_layer.hpp"
-#include "gles/object/target_placement.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"
 #include "gles/picture/response_table.hpp"
+#include "gles/picture/target_placement.hpp"
 
 namespace kasumi {
 

@@ -14,7 +14,7 @@
 #include "gles/gl/program.hpp"
 #include "gles/gl/target.hpp"
 #include "gles/light/object_look.hpp"
-#include "gles/object/target_placement.hpp"
+#include "gles/picture/target_placement.hpp"
 
 namespace kasumi {
 

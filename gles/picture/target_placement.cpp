@@ -1,4 +1,4 @@
-#include "gles/object/target_placement.hpp"
+#include "gles/picture/target_placement.hpp"
 
 #include "gles/gl/gl.hpp"
 
