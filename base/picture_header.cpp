@@ -37,6 +37,16 @@ std::optional<PictureHeader> png_header(HeaderBytes file) {
   return PictureHeader{"PNG", at(16), at(20)};
 }
 
+// Those of its thumbnail count, too.
+std::int64_t scans_of(HeaderBytes jpeg) {
+  constexpr std::string_view kScan = "\xff\xda";  // never stands within a scan
+  const std::string_view text(reinterpret_cast<const char*>(jpeg.data()), jpeg.size());
+  std::int64_t scans = 0;
+  for (auto at = text.find(kScan); at != std::string_view::npos; at = text.find(kScan, at + kScan.size())) ++scans;
+  return scans;
+}
+
+// Of several scans, those with at least a bit for each block (marker 0xc0 and 0xc1) cost no more than their bytes.
 std::optional<PictureHeader> jpeg_header(HeaderBytes file) {
   if (!begins(file, "\xff\xd8")) return std::nullopt;
   for (std::size_t at = 2; at + 9 < file.size();) {
@@ -49,7 +59,7 @@ std::optional<PictureHeader> jpeg_header(HeaderBytes file) {
     const auto big = [&](std::size_t place) {
       return static_cast<std::int64_t>(number(file, at + place, 2, ByteOrder::big));
     };
-    if (frame) return PictureHeader{"JPEG", big(7), big(5)};
+    if (frame) return PictureHeader{"JPEG", big(7), big(5), 0, marker > 0xc1 ? scans_of(file) : 1};
     if (marker == 0xda || marker == 0xd9) return std::nullopt;  // the picture itself, without a frame
     const bool alone = marker == 0x01 || (marker >= 0xd0 && marker <= 0xd8);
     at += 2 + (alone ? 0 : static_cast<std::size_t>(big(2)));
@@ -234,6 +244,9 @@ std::optional<PictureHeader> picture_header(std::span<const std::uint8_t> file) 
 Result<> check_size(const PictureHeader& header, const PictureLimits& limits) {
   const auto width = header.width, height = header.height;
   const bool sane = width >= 1 && height >= 1 && width <= limits.side_px && height <= limits.side_px;
+  if (header.scans > limits.scans)
+    return fail(FaultKind::bad_input, "a {} of {} scans: expected {} at most", header.format, header.scans,
+                limits.scans);
   if (sane && width * height <= limits.pixels && header.tile_pixels <= limits.pixels) return {};
   if (sane && width * height <= limits.pixels)
     return fail(FaultKind::bad_input, "a {} in tiles of {:.0f} million pixels: expected {:.0f} million at most",

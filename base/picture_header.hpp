@@ -15,6 +15,7 @@ struct PictureHeader {
   std::string_view format;  // "PNG", "JPEG", "TIFF", "PNM", "PFM", "EXR", "HDR", "BMP", "WebP", "FITS", "HEIF"
   std::int64_t width = 0, height = 0;
   std::int64_t tile_pixels = 0;  // of one tile or strip of a TIFF: it is decoded as a whole
+  std::int64_t scans = 1;        // of a JPEG: each may cost as much as the whole picture, and take some bytes
 
   bool is(int wanted_width, int wanted_height) const { return width == wanted_width && height == wanted_height; }
 };
@@ -28,6 +29,7 @@ std::optional<PictureHeader> picture_header(std::span<const std::uint8_t> file);
 struct PictureLimits {
   std::int64_t side_px;
   std::int64_t pixels;
+  std::int64_t scans = 200;
 };
 constexpr PictureLimits kPhotographLimits{32'768, 160'000'000};  // more than the largest sensors have
 constexpr PictureLimits kStillLimits{8'192, 36'000'000};         // more than the largest displays show

@@ -8,6 +8,8 @@ namespace kasumi {
 
 // Brackets within texts do not count.
 int json_depth(std::string_view json);
+// Of texts, numbers, lists and objects, one or two more than there are.
+std::size_t json_values(std::string_view json);
 
 // The text itself, or nothing (which no parser takes for JSON) where it is larger or deeper than any message or file of
 // Kasumi's.

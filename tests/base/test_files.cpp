@@ -137,6 +137,8 @@ TEST(Abandonable, WorkThatNeverEndsIsLeftBehind) {
 
 TEST(JsonDepth, Row40IsKnownBeforeItIsParsed) {
   EXPECT_EQ(json_depth(R"({"a": [1, {"b": "[[[[\"["}]})"), 3);
+  EXPECT_GE(json_values(R"({"a": [1, {"b": "[,,,[\"["}]})"), 4u);
+  EXPECT_LE(json_values(R"({"a": [1, {"b": "[,,,[\"["}]})"), 6u);
   EXPECT_EQ(modest_json("[[1]]", 5, 2), "[[1]]");
   EXPECT_EQ(modest_json("[[1]]", 4, 2), "") << "too large";
   EXPECT_EQ(modest_json("[[1]]", 5, 1), "") << "too deep";

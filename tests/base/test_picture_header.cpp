@@ -66,6 +66,17 @@ TEST(PictureHeader, TellsTheSizeOfEveryFormat) {
   expect_size(bytes_of("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 240 +X 320\n"), "HDR", 320, 240);
 }
 
+TEST(PictureHeader, CountsTheScansOfAProgressiveJpeg) {
+  const std::string_view scan = raw("\xff\xda\0\x08\1\1\0\1?\0\xff\0\xff\xd0");
+  const auto scans = [&](std::string_view frame) {
+    return picture_header(joined({raw("\xff\xd8"), frame, raw("\0\x0b\x08\0\x10\0\x10\1\1\x11\0"), scan, scan, scan}))
+        ->scans;
+  };
+  EXPECT_EQ(scans("\xff\xc2"), 3);
+  EXPECT_EQ(scans("\xff\xca"), 3) << "arithmetically coded";
+  EXPECT_EQ(scans("\xff\xc0"), 1) << "which costs no more than its bytes";
+}
+
 TEST(PictureHeader, WhatIsNoPictureOrIsCutHasNone) {
   for (const char* text : {"", "P", "Pix", "GIF89a", "BM", "RIFF", "II*", "#?RADIANCE\n", "kasumi = 1"})
     EXPECT_FALSE(picture_header(bytes_of(text)) && picture_header(bytes_of(text))->width > 0) << text;
@@ -86,6 +97,8 @@ TEST(PictureHeader, SizesAreBoundedWithTheNumbersThatCount) {
   EXPECT_EQ(message({"JPEG", 14204, 10652}, kPhotographLimits), "") << "151 million, of the largest sensor sold";
   EXPECT_NE(message({"PNG", 0, 10}, kPhotographLimits), "");
   EXPECT_NE(message({"PNG", 4294967295, 4294967295}, kPhotographLimits), "");
+  EXPECT_EQ(message({"JPEG", 100, 100, 0, 200}, kPhotographLimits), "");
+  EXPECT_EQ(message({"JPEG", 100, 100, 0, 201}, kPhotographLimits), "a JPEG of 201 scans: expected 200 at most");
   EXPECT_EQ(message(*picture_header(kTiff), kPhotographLimits),
             "a TIFF in tiles of 4295 million pixels: expected 160 million at most");
 }
