@@ -101,16 +101,6 @@ Result<std::vector<std::uint32_t>> whole_numbers(const Elements& elements, const
   return values;
 }
 
-Result<const tinygltf::Accessor*> find(const tinygltf::Model& gltf, int index, std::size_t limit,
-                                       const std::string& what) {
-  if (index < 0 || static_cast<std::size_t>(index) >= gltf.accessors.size())
-    return fail(FaultKind::bad_input, "{}: accessor {}: there are {}", what, index, gltf.accessors.size());
-  const tinygltf::Accessor& accessor = gltf.accessors[static_cast<std::size_t>(index)];
-  if (accessor.count > limit)
-    return fail(FaultKind::bad_input, "{}: {} elements: expected {} at most", what, accessor.count, limit);
-  return &accessor;
-}
-
 // Which elements a sparse accessor replaces, and by what.
 struct SparseEntries {
   std::vector<std::uint32_t> places;
@@ -142,10 +132,24 @@ Result<SparseEntries> sparse_entries(const tinygltf::Model& gltf, const tinygltf
 
 }  // namespace
 
-Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::initializer_list<int> components,
-                                   std::size_t limit, const std::string& what) {
+Result<const tinygltf::Accessor*> Accessors::find(int index, std::size_t limit, const std::string& what) {
+  if (index < 0 || static_cast<std::size_t>(index) >= gltf_.accessors.size())
+    return fail(FaultKind::bad_input, "{}: accessor {}: there are {}", what, index, gltf_.accessors.size());
+  const tinygltf::Accessor& accessor = gltf_.accessors[static_cast<std::size_t>(index)];
+  if (accessor.count > limit)
+    return fail(FaultKind::bad_input, "{}: {} elements: expected {} at most", what, accessor.count, limit);
+  const std::size_t numbers = accessor.count * static_cast<std::size_t>(component_count(accessor.type));
+  if (numbers > left_)
+    return fail(FaultKind::bad_input, "{}: with it more than {} million numbers are read: the same ones too often",
+                what, most_ / 1'000'000);
+  left_ -= numbers;
+  return &accessor;
+}
+
+Result<AccessorFloats> Accessors::floats(int index, std::initializer_list<int> components, std::size_t limit,
+                                         const std::string& what) {
   const std::string named = fmt::format("{} (accessor {})", what, index);
-  const auto found = find(gltf, index, limit, named);
+  const auto found = find(index, limit, named);
   if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
   AccessorFloats floats;
@@ -159,8 +163,8 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
   const auto width = static_cast<std::size_t>(floats.components);
   floats.values.resize(floats.count * width);  // zeros where there is no buffer view
   if (accessor.bufferView >= 0) {
-    const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, floats.components,
-                                      accessor.componentType, true, named);
+    const auto elements = elements_in(gltf_, accessor.bufferView, accessor.byteOffset, accessor.count,
+                                      floats.components, accessor.componentType, true, named);
     if (!elements) return fail(elements.error());
     for (std::size_t i = 0; i < floats.count; ++i)
       for (std::size_t c = 0; c < width; ++c)
@@ -168,7 +172,7 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
             as_float(elements->data + i * elements->stride + c * bytes, accessor.componentType, accessor.normalized);
   }
   if (!accessor.sparse.isSparse) return floats;
-  const auto sparse = sparse_entries(gltf, accessor, floats.components, named);
+  const auto sparse = sparse_entries(gltf_, accessor, floats.components, named);
   if (!sparse) return fail(sparse.error());
   for (std::size_t i = 0; i < sparse->places.size(); ++i)
     for (std::size_t c = 0; c < width; ++c)
@@ -177,19 +181,18 @@ Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int index, std::
   return floats;
 }
 
-Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int index, std::size_t limit,
-                                                const std::string& what) {
+Result<std::vector<std::uint32_t>> Accessors::indices(int index, std::size_t limit, const std::string& what) {
   const std::string named = fmt::format("{} (accessor {})", what, index);
-  const auto found = find(gltf, index, limit, named);
+  const auto found = find(index, limit, named);
   if (!found) return fail(found.error());
   const tinygltf::Accessor& accessor = **found;
   if (component_count(accessor.type) != 1) return fail(FaultKind::bad_input, "{}: indices must be scalars", named);
-  const auto elements = elements_in(gltf, accessor.bufferView, accessor.byteOffset, accessor.count, 1,
+  const auto elements = elements_in(gltf_, accessor.bufferView, accessor.byteOffset, accessor.count, 1,
                                     accessor.componentType, true, named);
   if (!elements) return fail(elements.error());
   auto indices = whole_numbers(*elements, named);
   if (!indices || !accessor.sparse.isSparse) return indices;
-  const auto sparse = sparse_entries(gltf, accessor, 1, named);
+  const auto sparse = sparse_entries(gltf_, accessor, 1, named);
   if (!sparse) return fail(sparse.error());
   const auto values = whole_numbers(sparse->values, named + ", sparse values");
   if (!values) return fail(values.error());

@@ -8,22 +8,35 @@
 #include <tiny_gltf.h>
 
 #include "base/result.hpp"
+#include "gles/model/model.hpp"
 
 namespace kasumi {
 
-// count * components floats, normalised integers as fractions, sparse entries applied. `what` and the accessor's number
-// begin every message. Errors (bad_input): no such accessor, a number of components not in `components`, more elements
-// than `limit`, an accessor beyond its buffer view or a view beyond its buffer.
 struct AccessorFloats {
   int components = 0;
   std::size_t count = 0;
   std::vector<float> values;
 };
-Result<AccessorFloats> read_floats(const tinygltf::Model& gltf, int accessor, std::initializer_list<int> components,
-                                   std::size_t limit, const std::string& what);
 
-// Unsigned indices of 8, 16 or 32 bits.
-Result<std::vector<std::uint32_t>> read_indices(const tinygltf::Model& gltf, int accessor, std::size_t limit,
-                                                const std::string& what);
+// `what` and the accessor's number begin every message. Errors (bad_input): no such accessor, more elements than `limit`,
+// an accessor beyond its buffer view or a view beyond its buffer, more than ModelLimits::numbers in all that was read.
+class Accessors {
+ public:
+  Accessors(const tinygltf::Model& gltf, const ModelLimits& limits)
+      : gltf_(gltf), most_(limits.numbers), left_(limits.numbers) {}
+
+  // count * components floats, normalised integers as fractions, sparse entries applied. Errors: also a number of
+  // components not in `components`.
+  Result<AccessorFloats> floats(int accessor, std::initializer_list<int> components, std::size_t limit,
+                                const std::string& what);
+  // Unsigned indices of 8, 16 or 32 bits.
+  Result<std::vector<std::uint32_t>> indices(int accessor, std::size_t limit, const std::string& what);
+
+ private:
+  Result<const tinygltf::Accessor*> find(int index, std::size_t limit, const std::string& what);
+
+  const tinygltf::Model& gltf_;
+  std::size_t most_, left_;
+};
 
 }  // namespace kasumi

@@ -6,6 +6,7 @@
 #include <span>
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include "gles/model/accessor.hpp"
 #include "gles/model/gltf_values.hpp"
@@ -49,6 +50,20 @@ std::optional<ModelBounds> written_box(const tinygltf::Node& node) {
   return finite(box.lowest) && finite(box.highest) ? std::optional(box) : std::nullopt;
 }
 
+double times_covered(const std::vector<ModelPart>& parts) {
+  const auto box = box_of(parts);
+  if (!box) return 0.0;
+  const glm::dvec3 size = glm::dvec3(box->highest) - glm::dvec3(box->lowest);
+  const double around = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  double area = 0.0;
+  for (const ModelPart& part : parts)
+    for (std::size_t i = 0; i + 2 < part.indices.size(); i += 3) {
+      const auto at = [&](std::size_t c) { return glm::dvec3(part.vertices[part.indices[i + c]].position); };
+      area += 0.5 * glm::length(glm::cross(at(1) - at(0), at(2) - at(0)));
+    }
+  return around > 0.0 ? area / around : 0.0;
+}
+
 class GltfReader {
  public:
   GltfReader(tinygltf::Model& gltf, std::string name, const ModelLimits& limits, std::string_view scene, Model& model)
@@ -57,7 +72,8 @@ class GltfReader {
         limits_(limits),
         wanted_scene_(scene),
         model_(model),
-        skins_(gltf, limits) {}
+        accessors_(gltf, limits),
+        skins_(gltf, accessors_, limits) {}
 
   Result<> read() {
     auto surfaces = read_surfaces(gltf_, name_, limits_, model_.notes);
@@ -74,14 +90,17 @@ class GltfReader {
       return fail(
           FaultKind::bad_input, "{}: no triangles in its scene{}", name_,
           points_ ? ", but points or lines: make a mesh of them first (CloudCompare: Plugins, PoissonRecon)" : "");
+    for (const auto* parts : {&model_.parts, &model_.ground})
+      if (const double times = times_covered(*parts); times > limits_.covered)
+        return fail(FaultKind::bad_input, "{}: its triangles would cover its box {:.0f} times: expected {:.0f} at most",
+                    name_, times, limits_.covered);
     return {};
   }
 
  private:
   template <class... Args>
   void note(fmt::format_string<Args...> format, Args&&... args) {
-    std::string text = fmt::format("{}: {}", name_, fmt::format(format, std::forward<Args>(args)...));
-    if (std::ranges::find(model_.notes, text) == model_.notes.end()) model_.notes.push_back(std::move(text));
+    add_note(model_.notes, fmt::format("{}: {}", name_, fmt::format(format, std::forward<Args>(args)...)));
   }
 
   // The index of the scene to show; -1: the file has none.
@@ -207,8 +226,13 @@ class GltfReader {
       if (!joints) return fail(joints.error());
       stand.joints = *joints;
     }
-    const auto copies = instances_of(gltf_, node, limits_, what);
+    const auto copies = instances_of(accessors_, node, limits_, what);
     if (!copies) return fail(copies.error());
+    const std::size_t drawn = gltf_.meshes[static_cast<std::size_t>(node.mesh)].primitives.size() * copies->size();
+    if (drawn > limits_.nodes - primitives_)
+      return fail(FaultKind::bad_input, "{}: with its mesh's {} primitives in {} copies more than {} are drawn", what,
+                  gltf_.meshes[static_cast<std::size_t>(node.mesh)].primitives.size(), copies->size(), limits_.nodes);
+    primitives_ += drawn;
     for (const glm::dmat4& copy : *copies) {
       stand.transform = whole * copy;
       if (auto read = read_mesh(node.mesh, stand, into); !read) return read;
@@ -220,7 +244,8 @@ class GltfReader {
     tinygltf::Mesh& mesh = gltf_.meshes[static_cast<std::size_t>(index)];
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
       const std::string what = fmt::format("{}: mesh {}, primitive {}", name_, index, i);
-      if (auto read = unpack_primitive(gltf_, mesh.primitives[i], what, limits_, model_.notes); !read) return read;
+      if (auto read = unpack_primitive(gltf_, mesh.primitives[i], what, limits_, unpacked_, model_.notes); !read)
+        return read;
       if (auto read = read_primitive(mesh.primitives[i], stand, into, what); !read) return read;
     }
     return {};
@@ -248,7 +273,7 @@ class GltfReader {
       return fail(FaultKind::bad_input, "{}: more than {} triangles or {} vertices", name_, limits_.triangles,
                   limits_.vertices);
     if (part.indices.empty()) return {};
-    if (auto moved = morph(gltf_, primitive, stand.weights, part, limits_, what); !moved) return moved;
+    if (auto moved = morph(accessors_, primitive, stand.weights, part, limits_, what); !moved) return moved;
 
     const bool with_normals = primitive.attributes.contains("NORMAL");
     if (with_normals) {
@@ -257,7 +282,7 @@ class GltfReader {
     }
     const bool skinned = stand.joints != nullptr && primitive.attributes.contains("JOINTS_0");
     auto placed =
-        skinned ? pose(gltf_, primitive, *stand.joints, part, limits_, what) : place(part, stand.transform, what);
+        skinned ? pose(accessors_, primitive, *stand.joints, part, limits_, what) : place(part, stand.transform, what);
     if (!placed) return placed;
     if (!with_normals) give_flat_normals(part);
     if (const MaterialMap& normals = model_.materials[static_cast<std::size_t>(part.material)].normal_map;
@@ -284,10 +309,10 @@ class GltfReader {
   // The accessor of an attribute, empty where the primitive has none; one element per vertex.
   Result<AccessorFloats> attribute(const tinygltf::Primitive& primitive, const std::string& semantic,
                                    std::initializer_list<int> components, std::size_t vertices,
-                                   const std::string& what) const {
+                                   const std::string& what) {
     const auto found = primitive.attributes.find(semantic);
     if (found == primitive.attributes.end()) return AccessorFloats{};
-    auto floats = read_floats(gltf_, found->second, components, limits_.vertices, what + ": " + semantic);
+    auto floats = accessors_.floats(found->second, components, limits_.vertices, what + ": " + semantic);
     if (floats && floats->count != vertices)
       return fail(FaultKind::bad_input, "{}: {} has {} elements for {} vertices", what, semantic, floats->count,
                   vertices);
@@ -297,7 +322,7 @@ class GltfReader {
   Result<> read_vertices(const tinygltf::Primitive& primitive, ModelPart& part, const std::string& what) {
     const auto position = primitive.attributes.find("POSITION");
     if (position == primitive.attributes.end()) return fail(FaultKind::bad_input, "{}: no POSITION", what);
-    const auto positions = read_floats(gltf_, position->second, {3}, limits_.vertices, what + ": POSITION");
+    const auto positions = accessors_.floats(position->second, {3}, limits_.vertices, what + ": POSITION");
     if (!positions) return fail(positions.error());
     const std::size_t count = positions->count;
     const auto& placements = placements_[static_cast<std::size_t>(part.material)];
@@ -358,7 +383,7 @@ class GltfReader {
   Result<> read_triangles(const tinygltf::Primitive& primitive, int mode, ModelPart& part, const std::string& what) {
     std::vector<std::uint32_t> indices;
     if (primitive.indices >= 0) {
-      auto read = read_indices(gltf_, primitive.indices, 3 * limits_.triangles, what + ": indices");
+      auto read = accessors_.indices(primitive.indices, 3 * limits_.triangles, what + ": indices");
       if (!read) return fail(read.error());
       indices = std::move(*read);
     } else {
@@ -377,10 +402,13 @@ class GltfReader {
   const ModelLimits& limits_;
   std::string_view wanted_scene_;
   Model& model_;
+  Accessors accessors_;
   Skins skins_;
   std::vector<Surfaces::Placements> placements_;
   int plain_ground_ = -1;
   bool points_ = false;
+  std::size_t primitives_ = 0;
+  std::size_t unpacked_ = 0;  // bytes
   std::size_t triangles_ = 0;
   std::size_t vertices_ = 0;
 };

@@ -34,4 +34,15 @@ const tinygltf::Value* extension_of(const tinygltf::ExtensionMap& extensions, co
   return found == extensions.end() ? nullptr : &found->second;
 }
 
+void add_note(std::vector<std::string>& notes, std::string text) {
+  constexpr std::size_t kMost = 100, kLongest = 1000;
+  if (notes.size() > kMost || std::ranges::find(notes, text) != notes.end()) return;
+  if (text.size() > kLongest) {
+    std::size_t end = kLongest;
+    while (end > 0 && (text[end] & 0xc0) == 0x80) --end;  // not within a letter of UTF-8
+    text = text.substr(0, end) + " ...";
+  }
+  notes.push_back(notes.size() < kMost ? std::move(text) : "and more of its kind, which is not listed");
+}
+
 }  // namespace kasumi

@@ -17,4 +17,7 @@ std::string text(const tinygltf::Value& object, const std::string& key);
 // Null: not there.
 const tinygltf::Value* extension_of(const tinygltf::ExtensionMap& extensions, const std::string& name);
 
+// Each text once, and no more of them than are read.
+void add_note(std::vector<std::string>& notes, std::string text);
+
 }  // namespace kasumi

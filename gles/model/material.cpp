@@ -10,6 +10,7 @@
 
 #include "gles/model/gltf_values.hpp"
 #include "gles/model/model_picture.hpp"
+#include "gles/model/other_models.hpp"
 #include "gles/model/specular_glossiness.hpp"
 
 namespace kasumi {
@@ -134,10 +135,7 @@ class TextureReader {
   std::vector<ModelTexture> textures() && { return std::move(textures_); }
 
  private:
-  void note(std::string text) {
-    text = fmt::format("{}: {}", name_, text);
-    if (std::ranges::find(notes_, text) == notes_.end()) notes_.push_back(std::move(text));
-  }
+  void note(std::string text) { add_note(notes_, fmt::format("{}: {}", name_, text)); }
 
   // The picture that Kasumi reads; -1: none.
   int source_of(const tinygltf::Texture& texture) {
@@ -175,10 +173,17 @@ class TextureReader {
       return fail(FaultKind::bad_input, "{}: missing: expected a PNG, JPEG, WebP or KTX2 within the model's folder",
                   what);
     const auto size = model_picture_size(image.image, limits_.texture_size);
-    if (!size) return fail(FaultKind::bad_input, "{}: {}", what, size.error().message);
+    if (!size) {
+      const auto other = other_picture(image.image, image.uri);
+      return fail(FaultKind::bad_input, "{}: {}", what, other.empty() ? size.error().message : other);
+    }
     pixels_ += static_cast<std::size_t>(size->width * size->height);
     if (pixels_ > limits_.texture_pixels)
       return fail(FaultKind::bad_input, "{}: textures of more than {} pixels together", name_, limits_.texture_pixels);
+    if (image.image.size() > limits_.all_bytes - bytes_)
+      return fail(FaultKind::bad_input, "{}: with it textures of more than {} bytes are decoded", what,
+                  limits_.all_bytes);
+    bytes_ += image.image.size();
     auto pixels = decode_picture(image.image, limits_.texture_size);
     if (!pixels) return fail(pixels.error().kind, "{}: {}", what, pixels.error().message);
     ModelTexture made;
@@ -201,6 +206,7 @@ class TextureReader {
   std::vector<std::pair<OlderPictures, MadePictures>> converted_;
   std::vector<ModelTexture> textures_;
   std::size_t pixels_ = 0;
+  std::size_t bytes_ = 0;  // encoded
 };
 
 // One material's pictures, each assigned to one of two sets of texture coordinates.
@@ -275,8 +281,8 @@ class MaterialReader {
     material.reflectance = glm::vec3(0.04f);
     if (!made) {  // its full values everywhere would turn walls into mirrors
       material.roughness = 0.8f;
-      notes_.push_back(
-          fmt::format("{}: material \"{}\": its specularGlossinessTexture is left out", name_, material.name));
+      add_note(notes_,
+               fmt::format("{}: material \"{}\": its specularGlossinessTexture is left out", name_, material.name));
       return {};
     }
     material.base_colour = glm::vec4(1.0f, 1.0f, 1.0f, material.base_colour.a);
@@ -309,16 +315,15 @@ class MaterialReader {
     const float share = fraction(numbers(*transmission, "transmissionFactor", {0.0}).front(), 0.0f);
     if (share <= 0.0f) return;
     if (transmission->IsObject() && transmission->Has("transmissionTexture")) {
-      notes_.push_back(
-          fmt::format("{}: material \"{}\": its transmissionTexture is left out: it is opaque", name_, material.name));
+      add_note(notes_, fmt::format("{}: material \"{}\": its transmissionTexture is left out: it is opaque", name_,
+                                   material.name));
       return;
     }
     material.alpha = ModelMaterial::Alpha::blend;
     material.base_colour.a *= 1.0f - 0.9f * share;
-    notes_.push_back(
-        fmt::format("{}: material \"{}\": light through it (KHR_materials_transmission) is drawn as "
-                    "{:.0f} % opaque",
-                    name_, material.name, 100.0f * material.base_colour.a));
+    add_note(notes_, fmt::format("{}: material \"{}\": light through it (KHR_materials_transmission) is drawn as "
+                                 "{:.0f} % opaque",
+                                 name_, material.name, 100.0f * material.base_colour.a));
   }
 
   static void read_emission(const tinygltf::Material& from, ModelMaterial& material) {
@@ -340,8 +345,9 @@ class MaterialReader {
       map = {*texture, i == 1};
       return {};
     }
-    notes_.push_back(fmt::format(
-        "{}: a material with more than two kinds of texture coordinates: its {} picture is left out", name_, what));
+    add_note(notes_,
+             fmt::format("{}: a material with more than two kinds of texture coordinates: its {} picture is left out",
+                         name_, what));
     return {};
   }
 
@@ -355,6 +361,9 @@ class MaterialReader {
 
 Result<Surfaces> read_surfaces(const tinygltf::Model& gltf, const std::string& name, const ModelLimits& limits,
                                std::vector<std::string>& notes) {
+  if (gltf.materials.size() > limits.materials)
+    return fail(FaultKind::bad_input, "{}: {} materials: expected {} at most", name, gltf.materials.size(),
+                limits.materials);
   Surfaces surfaces;
   TextureReader textures(gltf, name, limits, notes);
   std::vector<tinygltf::Material> all = gltf.materials;

@@ -111,13 +111,19 @@ struct Model {
   ModelBounds bounds_with_ground() const;
 };
 
-// Limits that protect against malicious files.
+// Limits that protect against malicious files, whose few bytes may name the same data any number of times: what is
+// named counts as often as it is named.
 struct ModelLimits {
-  std::size_t file_bytes = std::size_t{512} << 20;  // each file of the model
+  std::size_t file_bytes = std::size_t{512} << 20;  // each file of the model; all that is unpacked from it
+  std::size_t all_bytes = std::size_t{2} << 30;     // of files and pictures, as they are read and as they are decoded
+  std::size_t json_values = 10'000'000;
+  std::size_t numbers = 600'000'000;  // taken out of accessors: what the most vertices and triangles may have
   std::size_t triangles = 10'000'000;
   std::size_t vertices = 30'000'000;
-  std::size_t nodes = 1'000'000;
-  int texture_size = 16384;                             // pixels along one side
+  std::size_t nodes = 1'000'000;  // and meshes' primitives, with their copies
+  std::size_t materials = 50'000;
+  double covered = 1000.0;   // area of all triangles, in that of their box: each layer is drawn, however small the file
+  int texture_size = 16384;  // pixels along one side
   std::size_t texture_pixels = std::size_t{256} << 20;  // of all textures together
 };
 

@@ -10,6 +10,7 @@
 
 #include "base/outside/json_depth.hpp"
 #include "gles/model/gltf_extensions.hpp"
+#include "gles/model/gltf_values.hpp"
 #include "gles/model/other_models.hpp"
 
 namespace kasumi {
@@ -140,8 +141,10 @@ Result<std::string_view> gltf_json(std::span<const std::uint8_t> file, std::stri
   return text(20, length);
 }
 
-Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name) {
+Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name, std::size_t most_values) {
   constexpr int kDeepest = 100;
+  if (json_values(json) > most_values)
+    return fail(FaultKind::bad_input, "{}: JSON of more than {} values", name, most_values);
   if (const int depth = json_depth(json); depth > kDeepest)
     return fail(FaultKind::bad_input, "{}: JSON nested {} deep: expected {} at most", name, depth, kDeepest);
   const auto document = nlohmann::json::parse(json, nullptr, false);
@@ -157,7 +160,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
   std::string version;
   if (asset != document.end() && asset->is_object())
     if (const auto at = asset->find("version"); at != asset->end() && at->is_string()) version = at->get<std::string>();
-  if (!version.starts_with("2."))
+  if (version != "2" && !version.starts_with("2."))
     problems.add("{}", other_than(fmt::format("glTF version \"{}\": expected 2.x ({})", version, kFromGltf1)));
   GltfClaims claims;
   claims.extensions = names_in(document, "extensionsUsed");
@@ -174,9 +177,9 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name)
     if (!used.contains(extension)) continue;  // some exporters list all that they can write
     const auto note = extension_note(extension);
     if (note.use == ExtensionUse::without)
-      claims.notes.push_back(fmt::format("{}: {} is left out: {}", name, extension, note.text));
+      add_note(claims.notes, fmt::format("{}: {} is left out: {}", name, extension, note.text));
     if (note.use == ExtensionUse::unknown && extension != "EXT_texture_avif")
-      claims.notes.push_back(fmt::format("{}: the extension {} is left out: Kasumi does not know it", name, extension));
+      add_note(claims.notes, fmt::format("{}: the extension {} is left out: Kasumi does not know it", name, extension));
   }
   if (const auto buffers = document.find("buffers"); buffers != document.end() && buffers->is_array())
     claims.to_mend = std::ranges::any_of(*buffers, is_hollow);

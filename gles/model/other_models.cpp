@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/picture_header.hpp"
+
 namespace kasumi {
 
 namespace {
@@ -84,6 +86,35 @@ std::string other_model(std::string_view bytes, std::string_view name) {
   if (std::ranges::find(kForAssimp, ending) != std::end(kForAssimp))
     return fmt::format("no glTF: assimp export IN{} OUT.glb (Debian: assimp-utils) makes one", ending);
   return {};
+}
+
+std::string other_than_data(std::span<const std::uint8_t> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const auto& [begins, words] : std::span(kByBeginning).first(4))
+    if (text.starts_with(begins)) return std::string(words);
+  return {};
+}
+
+std::string other_picture(std::span<const std::uint8_t> bytes, std::string_view name) {
+  constexpr OtherModel kPictures[]{{"8BPS", "PSD"}, {"GIF8", "GIF"},
+                                   {"DDS ", "DDS"}, {std::string_view("\0\0\0\x0cjP", 6), "JPEG 2000"},
+                                   {"<svg", "SVG"}, {"<?xml", "SVG"}};
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with("\xabKTX 11")) return "a KTX of version 1: ktx2ktx2 of KTX-Software makes a KTX2 of it";
+  std::string ending = std::filesystem::path(name).extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::string_view kind = ending == ".tga" ? "TGA" : "";
+  if (const auto header = picture_header(bytes)) kind = header->format;
+  if (kind == "PNG" || kind == "JPEG" || kind == "WebP") return {};
+  if (kind == "HEIF") kind = "AVIF or HEIC";
+  for (const auto& [begins, is] : kPictures)
+    if (text.starts_with(begins)) kind = is;
+  if (kind.empty()) return {};
+  const std::string from = ending.empty() ? "IN" : "IN" + ending;
+  return fmt::format(
+      "a picture of {}: expected PNG, JPEG, WebP or KTX2. convert {} OUT.png (Debian: imagemagick) makes a PNG of it, "
+      "which the model must name instead",
+      kind, from);
 }
 
 }  // namespace kasumi

@@ -7,7 +7,6 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
-#include "gles/model/accessor.hpp"
 #include "gles/model/gltf_values.hpp"
 
 namespace kasumi {
@@ -31,9 +30,9 @@ void turn_over(ModelPart& part, std::size_t first) {
   std::swap(part.indices[first + 1], part.indices[first + 2]);
 }
 
-Result<AccessorFloats> of_each_vertex(const tinygltf::Model& gltf, int accessor, int components, std::size_t vertices,
+Result<AccessorFloats> of_each_vertex(Accessors& accessors, int accessor, int components, std::size_t vertices,
                                       const ModelLimits& limits, const std::string& what) {
-  auto floats = read_floats(gltf, accessor, {components}, limits.vertices, what);
+  auto floats = accessors.floats(accessor, {components}, limits.vertices, what);
   if (floats && floats->count != vertices)
     return fail(FaultKind::bad_input, "{} has {} elements for {} vertices", what, floats->count, vertices);
   return floats;
@@ -44,7 +43,7 @@ struct Bones {
   std::vector<AccessorFloats> joints, weights;
 };
 
-Result<Bones> bones_of(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, std::size_t vertices,
+Result<Bones> bones_of(Accessors& accessors, const tinygltf::Primitive& primitive, std::size_t vertices,
                        const ModelLimits& limits, const std::string& what) {
   Bones bones;
   constexpr int kMostSets = 8;
@@ -52,9 +51,9 @@ Result<Bones> bones_of(const tinygltf::Model& gltf, const tinygltf::Primitive& p
     const auto joints = primitive.attributes.find(fmt::format("JOINTS_{}", set));
     const auto weights = primitive.attributes.find(fmt::format("WEIGHTS_{}", set));
     if (joints == primitive.attributes.end() || weights == primitive.attributes.end()) break;
-    auto which = of_each_vertex(gltf, joints->second, 4, vertices, limits, what + ": " + joints->first);
+    auto which = of_each_vertex(accessors, joints->second, 4, vertices, limits, what + ": " + joints->first);
     if (!which) return fail(which.error());
-    auto how_much = of_each_vertex(gltf, weights->second, 4, vertices, limits, what + ": " + weights->first);
+    auto how_much = of_each_vertex(accessors, weights->second, 4, vertices, limits, what + ": " + weights->first);
     if (!how_much) return fail(how_much.error());
     bones.joints.push_back(std::move(*which));
     bones.weights.push_back(std::move(*how_much));
@@ -120,14 +119,14 @@ bool VertexTransform::apply(ModelVertex& vertex) const {
   return true;
 }
 
-Result<> morph(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+Result<> morph(Accessors& accessors, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                ModelPart& part, const ModelLimits& limits, const std::string& what) {
   for (std::size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
     if (!std::isfinite(weights[t]) || weights[t] == 0.0) continue;
     const auto weight = static_cast<float>(weights[t]);
     for (const auto& [semantic, accessor] : primitive.targets[t]) {
       if (semantic != "POSITION" && semantic != "NORMAL" && semantic != "TANGENT") continue;
-      const auto moved = of_each_vertex(gltf, accessor, 3, part.vertices.size(), limits,
+      const auto moved = of_each_vertex(accessors, accessor, 3, part.vertices.size(), limits,
                                         fmt::format("{}: morph target {}: {}", what, t, semantic));
       if (!moved) return fail(moved.error());
       for (std::size_t i = 0; i < part.vertices.size(); ++i) {
@@ -183,7 +182,7 @@ Result<const std::vector<glm::dmat4>*> Skins::joints(int skin, const std::string
     return fail(FaultKind::bad_input, "{}: {} joints", named, from.joints.size());
   AccessorFloats inverse;
   if (from.inverseBindMatrices >= 0) {
-    auto read = read_floats(gltf_, from.inverseBindMatrices, {16}, limits_.nodes, named + ": inverse bind matrices");
+    auto read = accessors_.floats(from.inverseBindMatrices, {16}, limits_.nodes, named + ": inverse bind matrices");
     if (!read) return fail(read.error());
     inverse = std::move(*read);
     if (inverse.count < from.joints.size())
@@ -206,9 +205,9 @@ Result<const std::vector<glm::dmat4>*> Skins::joints(int skin, const std::string
   return &(known_[skin] = std::move(joints));
 }
 
-Result<> pose(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& joints,
+Result<> pose(Accessors& accessors, const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& joints,
               ModelPart& part, const ModelLimits& limits, const std::string& what) {
-  const auto bones = bones_of(gltf, primitive, part.vertices.size(), limits, what);
+  const auto bones = bones_of(accessors, primitive, part.vertices.size(), limits, what);
   if (!bones) return fail(bones.error());
   std::vector<bool> mirrored(part.vertices.size());
   for (std::size_t i = 0; i < part.vertices.size(); ++i) {
@@ -232,7 +231,7 @@ Result<> place(ModelPart& part, const glm::dmat4& transform, const std::string& 
   return {};
 }
 
-Result<std::vector<glm::dmat4>> instances_of(const tinygltf::Model& gltf, const tinygltf::Node& node,
+Result<std::vector<glm::dmat4>> instances_of(Accessors& accessors, const tinygltf::Node& node,
                                              const ModelLimits& limits, const std::string& what) {
   const auto* instancing = extension_of(node.extensions, "EXT_mesh_gpu_instancing");
   if (instancing == nullptr || !instancing->IsObject() || !instancing->Has("attributes"))
@@ -242,7 +241,7 @@ Result<std::vector<glm::dmat4>> instances_of(const tinygltf::Model& gltf, const 
     const int accessor = whole_number(instancing->Get("attributes"), semantic, -1);
     if (accessor < 0) return AccessorFloats{};
     auto floats =
-        read_floats(gltf, accessor, {components}, limits.nodes, fmt::format("{}: its copies' {}", what, semantic));
+        accessors.floats(accessor, {components}, limits.nodes, fmt::format("{}: its copies' {}", what, semantic));
     if (floats && count > 0 && floats->count != count)
       return fail(FaultKind::bad_input, "{}: {} for {} of its copies, others for {}", what, semantic, floats->count,
                   count);

@@ -12,6 +12,7 @@
 #include <glm/mat4x4.hpp>
 
 #include "base/result.hpp"
+#include "gles/model/accessor.hpp"
 #include "gles/model/model.hpp"
 
 namespace kasumi {
@@ -34,13 +35,14 @@ class VertexTransform {
 };
 
 // Adds a primitive's morph targets, weighted. Errors (bad_input): accessors as in accessor.hpp.
-Result<> morph(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
+Result<> morph(Accessors& accessors, const tinygltf::Primitive& primitive, const std::vector<double>& weights,
                ModelPart& part, const ModelLimits& limits, const std::string& what);
 
 // A file's skins. Each is worked out once, and so is each node's place, however many meshes and joints share them.
 class Skins {
  public:
-  Skins(const tinygltf::Model& gltf, const ModelLimits& limits) : gltf_(gltf), limits_(limits) {}
+  Skins(const tinygltf::Model& gltf, Accessors& accessors, const ModelLimits& limits)
+      : gltf_(gltf), accessors_(accessors), limits_(limits) {}
 
   // A skin's joints, as they move its vertices: their place in the scene times the inverse bind matrices. Errors
   // (bad_input): no such skin or joint, joints that are their own ancestors, matrices of another number.
@@ -51,6 +53,7 @@ class Skins {
   Result<glm::dmat4> place_of(int node, const std::string& what);
 
   const tinygltf::Model& gltf_;
+  Accessors& accessors_;
   const ModelLimits& limits_;
   std::vector<int> parents_;                       // of each node; -1: none
   std::vector<std::optional<glm::dmat4>> places_;  // of each node in the scene, as far as they were needed
@@ -59,14 +62,14 @@ class Skins {
 
 // Moves each vertex by its joints (JOINTS_n, WEIGHTS_n), and turns triangles that are mirrored thereby. Errors
 // (bad_input): accessors, joints that are not there, places as of VertexTransform.
-Result<> pose(const tinygltf::Model& gltf, const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& joints,
+Result<> pose(Accessors& accessors, const tinygltf::Primitive& primitive, const std::vector<glm::dmat4>& joints,
               ModelPart& part, const ModelLimits& limits, const std::string& what);
 // All vertices alike.
 Result<> place(ModelPart& part, const glm::dmat4& transform, const std::string& what);
 
 // A node's copies (EXT_mesh_gpu_instancing), relative to it: one of no change where it has none. Errors (bad_input):
 // accessors; numbers of elements that differ; more than limits.nodes.
-Result<std::vector<glm::dmat4>> instances_of(const tinygltf::Model& gltf, const tinygltf::Node& node,
+Result<std::vector<glm::dmat4>> instances_of(Accessors& accessors, const tinygltf::Node& node,
                                              const ModelLimits& limits, const std::string& what);
 
 }  // namespace kasumi

@@ -95,7 +95,8 @@ bool stands_unpacked(const tinygltf::Model& gltf, const tinygltf::Primitive& pri
          (primitive.indices < 0 || holds(primitive.indices));
 }
 
-Result<> decode_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive, const ModelLimits& limits) {
+Result<> decode_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive, const ModelLimits& limits,
+                          std::size_t& unpacked) {
   const tinygltf::Value& packed = primitive.extensions.at(kDraco);
   const int view_index = whole_number(packed, "bufferView", -1);
   if (view_index < 0 || static_cast<std::size_t>(view_index) >= gltf.bufferViews.size())
@@ -120,7 +121,8 @@ Result<> decode_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive,
   }
   const auto models = rare_models();
   if (!models) return fail(models.error());
-  const auto mesh = (*models)->draco_mesh(*stream, attributes, {limits.triangles, limits.vertices, limits.file_bytes});
+  const auto mesh =
+      (*models)->draco_mesh(*stream, attributes, {limits.triangles, limits.vertices, limits.file_bytes - unpacked});
   if (!mesh) return fail(mesh.error());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const int components = attributes[i].components;
@@ -128,6 +130,7 @@ Result<> decode_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive,
         add_accessor(gltf, attributes[i].values, components == 1 ? TINYGLTF_TYPE_SCALAR : components,
                      TINYGLTF_COMPONENT_TYPE_FLOAT, static_cast<std::size_t>(components));
   }
+  for (const DracoAttribute& attribute : attributes) unpacked += attribute.values.size() * sizeof(float);
   primitive.indices = add_accessor(gltf, mesh->indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 1);
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.extensions.erase(kDraco);
@@ -155,12 +158,12 @@ Result<> unpack_views(tinygltf::Model& gltf, const std::string& name, const Mode
 }
 
 Result<> unpack_primitive(tinygltf::Model& gltf, tinygltf::Primitive& primitive, const std::string& what,
-                          const ModelLimits& limits, std::vector<std::string>& notes) {
+                          const ModelLimits& limits, std::size_t& unpacked, std::vector<std::string>& notes) {
   if (!primitive.extensions.contains(kDraco)) return {};
-  auto decoded = decode_primitive(gltf, primitive, limits);
+  auto decoded = decode_primitive(gltf, primitive, limits, unpacked);
   if (decoded) return {};
   if (!stands_unpacked(gltf, primitive)) return fail(decoded.error().kind, "{}: {}", what, decoded.error().message);
-  notes.push_back(fmt::format("{}: {}: its unpacked copy is taken", what, decoded.error().message));
+  add_note(notes, fmt::format("{}: {}: its unpacked copy is taken", what, decoded.error().message));
   primitive.extensions.erase(kDraco);
   return {};
 }

@@ -1,4 +1,6 @@
 #include <draco/compression/decode.h>
+#include <draco/compression/mesh/mesh_edgebreaker_decoder.h>
+#include <draco/compression/mesh/mesh_sequential_decoder.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>
 #include <draco/core/varint_decoding.h>
 #include <draco/metadata/metadata_decoder.h>
@@ -12,6 +14,7 @@ namespace {
 // What the stream claims, before the library takes memory for it.
 struct Claim {
   std::uint32_t triangles = 0, vertices = 0;
+  bool edgebreaker = false;
 };
 
 Result<Claim> claim_of(std::span<const std::uint8_t> stream) {
@@ -32,7 +35,8 @@ Result<Claim> claim_of(std::span<const std::uint8_t> stream) {
     if (!draco::MetadataDecoder().DecodeGeometryMetadata(&buffer, &metadata)) return damaged();
   }
   Claim claim;
-  if (header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING) {
+  claim.edgebreaker = header.encoder_method == draco::MESH_EDGEBREAKER_ENCODING;
+  if (claim.edgebreaker) {
     std::uint8_t traversal = 0;
     if (!buffer.Decode(&traversal) || !draco::DecodeVarint(&claim.vertices, &buffer) ||
         !draco::DecodeVarint(&claim.triangles, &buffer))
@@ -41,6 +45,43 @@ Result<Claim> claim_of(std::span<const std::uint8_t> stream) {
     return damaged();
   }
   return claim;
+}
+
+// Takes no memory for more than so many bytes of attributes: constant ones, of which a stream may have any number, take
+// a few of its bytes each.
+template <class Decoder>
+class BoundedDraco final : public Decoder {
+ public:
+  explicit BoundedDraco(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+  bool too_large() const { return too_large_; }
+
+ private:
+  bool DecodeAllAttributes() override {
+    std::size_t bytes = 0;  // of a vertex
+    for (std::int32_t a = 0; a < this->point_cloud()->num_attributes(); ++a) {
+      const auto* attribute = this->point_cloud()->attribute(a);
+      bytes += static_cast<std::size_t>(attribute->num_components()) *
+               static_cast<std::size_t>(std::max(4, draco::DataTypeLength(attribute->data_type())));
+    }
+    too_large_ = bytes > 0 && this->point_cloud()->num_points() > most_bytes_ / bytes;
+    return !too_large_ && Decoder::DecodeAllAttributes();
+  }
+
+  std::size_t most_bytes_;
+  bool too_large_ = false;
+};
+
+template <class Decoder>
+Result<> decode_draco(std::span<const std::uint8_t> stream, std::size_t most_bytes, draco::Mesh& mesh) {
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
+  BoundedDraco<Decoder> decoder(most_bytes);
+  const auto status = decoder.Decode(draco::DecoderOptions(), &buffer, &mesh);
+  if (decoder.too_large())
+    return fail(FaultKind::bad_input, "a Draco mesh of {} vertices with {} attributes: expected {} bytes at most",
+                mesh.num_points(), mesh.num_attributes(), most_bytes);
+  if (!status.ok()) return fail(FaultKind::bad_input, "damaged Draco mesh: {}", status.error_msg_string());
+  return {};
 }
 
 Result<> read_attribute(const draco::Mesh& mesh, DracoAttribute& attribute) {
@@ -73,11 +114,10 @@ Result<DracoMesh> read_draco(std::span<const std::uint8_t> stream, std::span<Dra
   if (std::max(claim->triangles, claim->vertices) / kMostForAByte > stream.size())
     return fail(FaultKind::bad_input, "{} bytes of Draco claim {} triangles and {} vertices", stream.size(),
                 claim->triangles, claim->vertices);
-  draco::DecoderBuffer buffer;
-  buffer.Init(reinterpret_cast<const char*>(stream.data()), stream.size());
-  auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) return fail(FaultKind::bad_input, "damaged Draco mesh: {}", decoded.status().error_msg_string());
-  const draco::Mesh& mesh = *decoded.value();
+  draco::Mesh mesh;
+  const auto decoded = claim->edgebreaker ? decode_draco<draco::MeshEdgebreakerDecoder>(stream, limits.bytes, mesh)
+                                          : decode_draco<draco::MeshSequentialDecoder>(stream, limits.bytes, mesh);
+  if (!decoded) return fail(decoded.error());
   DracoMesh out;
   out.vertices = mesh.num_points();
   if (out.vertices > limits.vertices || mesh.num_faces() > limits.triangles)

@@ -40,4 +40,26 @@ std::vector<std::uint8_t> draco_stream(const PlainMesh& plain, int bits) {
   return {buffer.data(), buffer.data() + buffer.size()};
 }
 
+std::vector<std::uint8_t> constant_draco_stream(std::uint32_t vertices, int attributes) {
+  draco::Mesh mesh;
+  mesh.set_num_points(vertices);
+  std::vector<float> positions(std::size_t{3} * vertices);
+  for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = static_cast<float>(i % 7 + i / 9 % 5);
+  add_attribute(mesh, draco::GeometryAttribute::POSITION, positions, 3);
+  for (int i = 0; i < attributes; ++i) {
+    const int id = add_attribute(mesh, draco::GeometryAttribute::COLOR, {1, 1, 1, 1}, 4);
+    mesh.attribute(id)->SetExplicitMapping(vertices);
+    for (std::uint32_t v = 0; v < vertices; ++v)
+      mesh.attribute(id)->SetPointMapEntry(draco::PointIndex(v), draco::AttributeValueIndex(0));
+  }
+  for (std::uint32_t v = 0; v + 2 < vertices; v += 3)
+    mesh.AddFace({draco::PointIndex(v), draco::PointIndex(v + 1), draco::PointIndex(v + 2)});
+  draco::Encoder encoder;
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::POSITION, 4);
+  encoder.SetAttributeQuantization(draco::GeometryAttribute::COLOR, 8);
+  draco::EncoderBuffer buffer;
+  if (!encoder.EncodeMeshToBuffer(mesh, &buffer).ok()) return {};
+  return {buffer.data(), buffer.data() + buffer.size()};
+}
+
 }  // namespace kasumi

@@ -16,5 +16,7 @@ struct PlainMesh {
 // Draco's stream, in which positions are attribute 0, normals 1 and texture coordinates 2; bits: of a position's
 // component. Empty: it cannot be encoded.
 std::vector<std::uint8_t> draco_stream(const PlainMesh& mesh, int bits);
+// Triangles of so many vertices, and so many constant attributes of four numbers, each of a few bytes.
+std::vector<std::uint8_t> constant_draco_stream(std::uint32_t vertices, int attributes);
 
 }  // namespace kasumi

@@ -192,6 +192,112 @@ TEST(HostileModel, LimitsAreEnforced) {
   EXPECT_THAT(many.read("limits", {.triangles = 99}).error().message, HasSubstr("more than 99 triangles"));
 }
 
+// Some bytes of JSON may name the same data any number of times; each bomb took minutes or all memory.
+TEST(HostileModel, WhatIsNamedOftenCountsAsOften) {
+  using J = nlohmann::json;
+  const auto copied = [](GltfFile& f) {
+    f.json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 60}});  // of zeros
+    f.node()["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = f.json["accessors"].size() - 1;
+  };
+  struct Bomb {
+    std::string what;
+    std::function<void(GltfFile&)> apply;
+    ModelLimits just_enough, too_few;
+    std::string answer;
+  };
+  const std::vector<Bomb> bombs{
+      {"copies of points, which are not drawn",
+       [&](GltfFile& f) {
+         copied(f);
+         f.json["meshes"][0]["primitives"].push_back({{"mode", 0}, {"attributes", f.primitive()["attributes"]}});
+       },
+       {.nodes = 120},
+       {.nodes = 119},
+       "2 primitives in 60 copies more than 119 are drawn"},
+      {"copies of whole meshes", copied, {.triangles = 120}, {.triangles = 119}, "more than 119 triangles"},
+      {"layers of one square", copied, {.covered = 30.0}, {.covered = 29.9}, "cover its box 30 times"},
+      {"morph targets",
+       [](GltfFile& f) {
+         f.primitive()["targets"] = J(100, {{"POSITION", f.primitive()["attributes"]["POSITION"]}});
+         f.json["meshes"][0]["weights"] = J(100, 0.01);
+       },
+       {.numbers = 2000},
+       {.numbers = 1000},
+       "the same ones too often"},
+      {"skins",
+       [](GltfFile& f) {
+         f.json["accessors"].push_back({{"componentType", 5126}, {"type", "MAT4"}, {"count", 10}});
+         f.json["skins"] = J(100, {{"joints", {0}}, {"inverseBindMatrices", f.json["accessors"].size() - 1}});
+         for (int i = 1; i < 100; ++i) {
+           f.json["nodes"].push_back({{"mesh", 0}, {"skin", i}});
+           f.json["scenes"][0]["nodes"].push_back(i);
+         }
+       },
+       {.numbers = 30000},
+       {.numbers = 10000},
+       "the same ones too often"},
+      {"indices of no triangle",
+       [](GltfFile& f) {
+         J empty = f.primitive();
+         empty["indices"] = f.add_bytes(std::vector<std::uint8_t>(1000));
+         for (int i = 0; i < 50; ++i) f.json["meshes"][0]["primitives"].push_back(empty);
+       },
+       {.numbers = 60000},
+       {.numbers = 50000},
+       "the same ones too often"},
+      {"one picture's bytes",
+       [](GltfFile& f) { f.json["images"] = J(100, f.json["images"][0]); },
+       {.all_bytes = 20000},
+       {.all_bytes = 5000},
+       "have more than 5000 bytes"},
+      {"textures of one picture",
+       [](GltfFile& f) {
+         f.json["textures"] = J(100, f.json["textures"][0]);
+         for (int i = 1; i < 100; ++i)
+           f.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+       },
+       {.all_bytes = 20000},
+       {.all_bytes = 5000},
+       "textures of more than 5000 bytes are decoded"},
+      {"materials",
+       [](GltfFile& f) { f.json["materials"] = J(50, f.json["materials"][0]); },
+       {.materials = 50},
+       {.materials = 49},
+       "50 materials: expected 49 at most"},
+      {"values of JSON",
+       [](GltfFile& f) { f.json["extras"] = J(5000, J::array()); },
+       {.json_values = 20000},
+       {.json_values = 9000},
+       "JSON of more than 9000 values"},
+  };
+  for (const Bomb& bomb : bombs) {
+    GltfFile file = dressed_square();
+    bomb.apply(file);
+    const auto honest = file.read("named", bomb.just_enough);
+    EXPECT_TRUE(honest) << bomb.what << ": " << honest.error().message;
+    const auto refused = file.read("named", bomb.too_few);
+    ASSERT_FALSE(refused) << bomb.what;
+    EXPECT_EQ(refused.error().kind, FaultKind::bad_input) << bomb.what;
+    EXPECT_THAT(refused.error().message, testing::AllOf(HasSubstr("named.gltf"), HasSubstr(bomb.answer))) << bomb.what;
+  }
+}
+
+// Their number is the file's choice, and each is compared with all before.
+TEST(HostileModel, NotesAreNoMoreThanArePrinted) {
+  GltfFile file = dressed_square();
+  file.primitive()["attributes"].erase("TEXCOORD_0");
+  for (int i = 1; i < 500; ++i) {
+    file.json["materials"].push_back(file.json["materials"][0]);
+    file.json["materials"][i]["name"] = fmt::format("{} {}", i, std::string(5000, 'x'));
+    file.json["meshes"][0]["primitives"].push_back(file.primitive());
+    file.json["meshes"][0]["primitives"][i]["material"] = i;
+  }
+  const Model model = loaded(file.read("notes"));
+  ASSERT_EQ(model.notes.size(), 101u);
+  EXPECT_THAT(model.notes.back(), HasSubstr("more of its kind"));
+  for (const std::string& note : model.notes) EXPECT_LT(note.size(), 1100u);
+}
+
 TEST(HostileModel, PictureHeadersAreCheckedBeforeAnythingIsDecoded) {
   std::vector<std::uint8_t> png;
   cv::imencode(".png", cv::Mat(4, 5, CV_8UC3, cv::Scalar(1, 2, 3)), png);
@@ -206,6 +312,74 @@ TEST(HostileModel, PictureHeadersAreCheckedBeforeAnythingIsDecoded) {
   ASSERT_TRUE(decoded);
   EXPECT_NEAR(decoded->at(20, 20).r, 3, 2);
   EXPECT_EQ(decode_picture({}, 10).error().kind, FaultKind::bad_input);
+}
+
+// As some exporters write them: the lengths are mended, not believed.
+TEST(HostileModel, AGlbWhoseChunksAreNotPaddedIsRead) {
+  const std::vector<std::uint8_t> sound = dressed_square().binary();
+  const auto path = model_folder() / "chunks.glb";
+  const auto put = [](std::vector<std::uint8_t>& file, std::size_t at, std::size_t value) {
+    for (std::size_t i = 0; i < 4; ++i) file[at + i] = static_cast<std::uint8_t>(value >> 8 * i);
+  };
+  const auto length = [&](std::size_t at) { return std::size_t{sound[at]} | std::size_t{sound[at + 1]} << 8; };
+  const std::size_t chunk = 20 + length(12);
+  for (const int extra : {1, 3}) {
+    auto file = sound;
+    file.insert(file.end(), static_cast<std::size_t>(extra), 0);
+    put(file, chunk, sound.size() - chunk - 8 + static_cast<std::size_t>(extra));
+    put(file, 8, file.size());
+    ASSERT_TRUE(write_file(path, file));
+    EXPECT_EQ(loaded(read_gltf(path)).triangle_count(), 2u) << extra;
+  }
+  for (const std::size_t claimed : {std::size_t{0}, chunk, sound.size() - 4}) {
+    auto file = sound;
+    put(file, 8, claimed);
+    ASSERT_TRUE(write_file(path, file));
+    EXPECT_EQ(loaded(read_gltf(path)).triangle_count(), 2u) << claimed;
+  }
+}
+
+// What a file holds where a picture or a buffer should be says what to do.
+TEST(HostileModel, PicturesOfOtherKindsAreRefusedWithWhatConvertsThem) {
+  const auto answer = [](const std::string& name, std::string_view bytes) {
+    EXPECT_TRUE(write_text_file(model_folder() / name, std::string(bytes)));
+    GltfFile file = dressed_square();
+    file.json["images"][0] = {{"uri", name}};
+    const auto refused = file.read("pictures");
+    return refused ? std::string("read") : refused.error().message;
+  };
+  const auto converted = [](const std::string& kind, const std::string& ending) {
+    return testing::AllOf(HasSubstr("a picture of " + kind), HasSubstr("convert IN" + ending + " OUT.png"),
+                          HasSubstr("imagemagick"));
+  };
+  EXPECT_THAT(answer("a.tga", std::string_view("\0\0\2\0\0\0\0\0\0\0\0\0\1\0\1\0\x18\0abc", 21)),
+              converted("TGA", ".tga"));
+  EXPECT_THAT(answer("a.psd", std::string_view("8BPS\0\1", 6)), converted("PSD", ".psd"));
+  EXPECT_THAT(answer("a.bmp", std::string_view("BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\4\0\0\0\4\0\0\0", 26)),
+              converted("BMP", ".bmp"));
+  EXPECT_THAT(answer("a.avif", std::string_view("\0\0\0\x1c"
+                                                "ftypavif\0\0\0\0avif",
+                                                20)),
+              converted("AVIF", ".avif"));
+  EXPECT_THAT(answer("a.jpg", "version https://git-lfs.github.com/spec/v1\n"), HasSubstr("git lfs pull"));
+  EXPECT_THAT(answer("b.jpg", "<!DOCTYPE html>"), HasSubstr("a web page"));
+}
+
+// Names as they stand in addresses, on disk or in the model.
+TEST(HostileModel, NamesWithPlusAndPercentAreFound) {
+  for (const auto& [on_disk, in_model] : {std::pair{"wall+roof.bin", "wall+roof.bin"},
+                                          {"old%20wall.bin", "old%20wall.bin"},
+                                          {"new wall.bin", "new%20wall.bin"},
+                                          {"Third Wall.bin", "third%20wall.bin"}}) {
+    GltfFile file = square_file();
+    const auto folder = model_folder() / "names";
+    std::filesystem::create_directories(folder);
+    ASSERT_TRUE(write_file(folder / on_disk, file.buffer));
+    file.json["buffers"] = {{{"uri", in_model}, {"byteLength", file.buffer.size()}}};
+    ASSERT_TRUE(write_text_file(folder / "names.gltf", file.json.dump()));
+    const auto model = read_gltf(folder / "names.gltf");
+    EXPECT_TRUE(model) << in_model << ": " << model.error().message;
+  }
 }
 
 TEST(HostileModel, AMissingFileIsReported) {

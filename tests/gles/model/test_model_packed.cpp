@@ -280,6 +280,30 @@ TEST(PackedModel, AttributesOfADracoMeshCountTogether) {
   EXPECT_THAT(file.read("many", {.file_bytes = bytes * 4}).error().message, HasSubstr("bytes at most"));
 }
 
+// Whether the file asks for them or not: the library unpacks all.
+TEST(PackedModel, ConstantAttributesOfADracoStreamAreBoundedBeforeTheyAreUnpacked) {
+  constexpr std::uint32_t kVertices = 3000;
+  const auto read = [&](int attributes, std::size_t most_bytes) {
+    GltfFile file = file_of(dome(3), Packing::draco);
+    const auto packed = constant_draco_stream(kVertices, attributes);
+    EXPECT_FALSE(packed.empty());
+    auto& view =
+        file.json["bufferViews"]
+                 [file.primitive()["extensions"]["KHR_draco_mesh_compression"]["bufferView"].get<std::size_t>()];
+    view["byteOffset"] = file.buffer.size();
+    view["byteLength"] = packed.size();
+    file.buffer.insert(file.buffer.end(), packed.begin(), packed.end());
+    const auto position = file.primitive()["attributes"]["POSITION"];
+    file.primitive()["attributes"] = {{"POSITION", position}};
+    file.primitive()["extensions"]["KHR_draco_mesh_compression"]["attributes"] = {{"POSITION", 0}};
+    return file.read("constant", {.file_bytes = most_bytes});
+  };
+  const auto whole = read(1, 1'000'000);
+  EXPECT_TRUE(whole) << whole.error().message;
+  EXPECT_THAT(read(20, 500'000),
+              FailsWith(testing::AllOf(HasSubstr("vertices with 21 attributes"), HasSubstr("bytes at most"))));
+}
+
 // Bytes changed at random within the packed streams: a valid model or a message.
 TEST(PackedModel, RandomDamageNeverCausesHarm) {
   std::mt19937_64 random(20260719);
