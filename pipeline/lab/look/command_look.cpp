@@ -23,13 +23,14 @@ namespace {
 namespace fs = std::filesystem;
 
 struct LookArguments {
-  std::string model, scene, up = "y", camera, out;
+  std::vector<std::string> models;
+  std::string scene, up = "y", camera, out;
 };
 
-// Every file of a folder that is a model by its name, and how many of them can be read.
-Result<int> look_at_folder(const fs::path& folder) {
+// Every file of a folder that is a model by its name.
+Result<> add_models_of(const fs::path& folder, std::vector<fs::path>& files) {
   static constexpr std::string_view kEndings[]{".glb", ".gltf", ".b3dm", ".i3dm", ".cmpt"};
-  std::vector<fs::path> files;
+  const std::size_t before = files.size();
   std::error_code error;
   for (auto it = fs::recursive_directory_iterator(folder, error); !error && it != fs::end(it); it.increment(error)) {
     std::string ending = it->path().extension().string();
@@ -37,8 +38,20 @@ Result<int> look_at_folder(const fs::path& folder) {
     if (it->is_regular_file() && std::ranges::find(kEndings, ending) != std::end(kEndings)) files.push_back(it->path());
   }
   if (error) return fail(FaultKind::io, "{}: {}", folder.string(), error.message());
-  if (files.empty()) return fail(FaultKind::bad_input, "{}: no .glb or .gltf in this folder", folder.string());
-  std::ranges::sort(files);
+  if (files.size() == before) return fail(FaultKind::bad_input, "{}: no .glb or .gltf in this folder", folder.string());
+  std::sort(files.begin() + static_cast<std::ptrdiff_t>(before), files.end());
+  return {};
+}
+
+// How many of them can be read.
+Result<int> look_at_all(const std::vector<std::string>& models) {
+  std::vector<fs::path> files;
+  for (const auto& model : models) {
+    if (!fs::is_directory(model))
+      files.emplace_back(model);
+    else if (auto added = add_models_of(model, files); !added)
+      return fail(added.error());
+  }
   std::size_t whole = 0;
   for (const auto& file : files) {
     const auto model = read_gltf(file);
@@ -62,10 +75,13 @@ Result<> draw(const LookArguments& arguments, const Model& model, UpAxis up, con
                                  "north", "north-west", "west", "south-west"};
   auto context = open_headless_context();
   if (!context) return fail(context.error());
-  const auto views = turntable(**context, model, up);
-  if (!views) return fail(views.error());
+  const auto turned = turntable(**context, model, up);
+  if (!turned) return fail(turned.error());
+  fmt::print("the sheet is exposed for the model: {:.2f} times as for a landscape\n", turned->exposure);
   ContactSheet sheet;
-  for (std::size_t i = 0; i < views->size(); ++i) sheet.add((*views)[i], fmt::format("from the {}", kSides[i]));
+  for (std::size_t i = 0; i < turned->views.size(); ++i)
+    sheet.add(turned->views[i], fmt::format("from the {}{}", kSides[i],
+                                            i == 0 ? fmt::format(", exposure x {:.2f}", turned->exposure) : ""));
   if (kiosk) {
     const auto seen = seen_from_kiosk(**context, *kiosk, model);
     if (!seen) return fail(seen.error());
@@ -87,7 +103,13 @@ Result<Installation> installation_of(const fs::path& given) {
 }
 
 Result<int> look(const LookArguments& arguments) {
-  if (fs::is_directory(arguments.model)) return look_at_folder(arguments.model);
+  const std::string& file = arguments.models.front();
+  if (arguments.models.size() > 1 || fs::is_directory(file)) {
+    if (!arguments.out.empty() || !arguments.camera.empty() || !arguments.scene.empty())
+      return fail(FaultKind::bad_input,
+                  "--out, --camera and --scene are for one model: expected no folder and no second");
+    return look_at_all(arguments.models);
+  }
   UpAxis up = arguments.up == "z" ? UpAxis::z : UpAxis::y;
   std::optional<Installation> kiosk;
   if (!arguments.camera.empty()) {
@@ -97,9 +119,9 @@ Result<int> look(const LookArguments& arguments) {
     if (arguments.up == "y") up = kiosk->object.placement.up_axis;
     kiosk->object.placement.up_axis = up;
   }
-  auto model = read_gltf(arguments.model, {}, arguments.scene);
+  auto model = read_gltf(file, {}, arguments.scene);
   if (!model) return fail(model.error());
-  fmt::print("{}\n", arguments.model);
+  fmt::print("{}\n", file);
   const auto facts = facts_of(*model, up);
   for (const auto& line : facts.lines) fmt::print("{}\n", line);
   for (const auto& doubt : facts.doubts) fmt::print("DOUBTFUL: {}\n", doubt);
@@ -117,7 +139,8 @@ void add_look_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("look", "What a model holds, what of it is left out, and how it looks");
   auto arguments = std::make_shared<LookArguments>();
   command
-      ->add_option("model", arguments->model, "A .glb or .gltf; or a folder: then how many of its models can be read")
+      ->add_option("model", arguments->models,
+                   "A .glb or .gltf; or folders or several models: then how many of them can be read")
       ->required();
   command->add_option("--scene", arguments->scene, "One of its scenes (eras), by name or number");
   command->add_option("--up", arguments->up, "Which of its axes points up, as [object] up says it")

@@ -17,9 +17,14 @@ constexpr double kViewFocal_px = 660.0;
 constexpr double kLookDown_deg = 8.0;
 constexpr double kRadius_m = 30.0;  // every model is drawn as large as a temple, so that no air is in between
 
-ClearDay afternoon(const Installation& installation) {
+ClearDay afternoon(const Installation& installation, double exposure = 1.0) {
   const SkyReport sky = clear_day(kAfternoon);
-  return {sky, backdrop(installation, sky)};
+  return {sky, backdrop(installation, sky, std::nullopt, exposure)};
+}
+
+bool differs(const Rgb8& a, const Rgb8& b) {
+  const glm::ivec3 by = glm::abs(glm::ivec3(a) - glm::ivec3(b));
+  return std::max({by.x, by.y, by.z}) > 2;
 }
 
 // What differs from the backdrop, with some of its surroundings.
@@ -27,8 +32,7 @@ Image<Rgb8> changed_part(const Image<Rgb8>& picture, const Image<Rgb8>& before) 
   int left = picture.width(), right = -1, top = picture.height(), bottom = -1;
   for (int y = 0; y < picture.height(); ++y)
     for (int x = 0; x < picture.width(); ++x) {
-      const glm::ivec3 by = glm::abs(glm::ivec3(picture.at(x, y)) - glm::ivec3(before.at(x, y)));
-      if (std::max({by.x, by.y, by.z}) <= 2) continue;
+      if (!differs(picture.at(x, y), before.at(x, y))) continue;
       left = std::min(left, x), right = std::max(right, x), top = std::min(top, y), bottom = std::max(bottom, y);
     }
   if (right < 0) return {};
@@ -71,17 +75,66 @@ Installation table_for(const Model& model, UpAxis up, int side) {
   return table;
 }
 
+// One model on the table, cut into pieces once.
+class TurnedModel {
+ public:
+  TurnedModel(GlContext& context, const Model& model, UpAxis up)
+      : context_(context),
+        model_(model),
+        up_(up),
+        prepared_(std::make_shared<const CompositorInputs>(prepare_scene(table_for(model, up, 0), model))) {}
+
+  Installation table(int side) const { return table_for(model_, up_, side); }
+
+  Result<Image<Rgb8>> view(int side, double exposure) const {
+    const Installation from = table(side);
+    auto view = drawn_over(context_, from, model_, {afternoon(from, exposure)}, prepared_);
+    if (!view) return fail(view.error());
+    return std::move(view->front());
+  }
+
+ private:
+  GlContext& context_;
+  const Model& model_;
+  UpAxis up_;
+  std::shared_ptr<const CompositorInputs> prepared_;
+};
+
+// In eighths of a stop, so that all but equal models are exposed alike.
+Result<double> exposure_for(const TurnedModel& model) {
+  constexpr double kTrial = 0.2;                // at which no model's brightest fiftieth is white
+  constexpr double kBright = 0.95;              // linear: 249 of 255
+  constexpr double kLeast = 0.1, kMost = 1.25;  // the sky stays below white
+  std::vector<double> light;                    // of the model's pixels, of the brightest channel
+  const Response response = Response::srgb();
+  for (int side = 0; side < 8; side += 2) {
+    const auto picture = model.view(side, kTrial);
+    if (!picture) return fail(picture.error());
+    const Image<Rgb8> before = afternoon(model.table(side), kTrial).backdrop;
+    for (std::size_t i = 0; i < before.elements().size(); ++i)
+      if (const Rgb8& texel = picture->elements()[i]; differs(texel, before.elements()[i]))
+        light.push_back(response.to_light(glm::dvec3(std::max({texel.r, texel.g, texel.b})) / 255.0).g);
+  }
+  if (light.empty()) return 1.0;
+  const auto brightest = light.begin() + static_cast<std::ptrdiff_t>(light.size() - 1 - light.size() / 50);
+  std::ranges::nth_element(light, brightest);
+  const double wanted = std::clamp(kTrial * kBright / std::max(*brightest, 1e-3), kLeast, kMost);
+  return std::exp2(std::floor(8.0 * std::log2(wanted)) / 8.0);
+}
+
 }  // namespace
 
-Result<std::vector<Image<Rgb8>>> turntable(GlContext& context, const Model& model, UpAxis up) {
-  std::vector<Image<Rgb8>> views;
+Result<Turntable> turntable(GlContext& context, const Model& model, UpAxis up) {
+  const TurnedModel on_table(context, model, up);
+  const auto exposure = exposure_for(on_table);
+  if (!exposure) return fail(exposure.error());
+  Turntable turned{{}, *exposure};
   for (int side = 0; side < 8; ++side) {
-    const Installation table = table_for(model, up, side);
-    auto view = drawn_over(context, table, model, {afternoon(table)});
+    auto view = on_table.view(side, *exposure);
     if (!view) return fail(view.error());
-    views.push_back(std::move(view->front()));
+    turned.views.push_back(std::move(*view));
   }
-  return views;
+  return turned;
 }
 
 Result<KioskView> seen_from_kiosk(GlContext& context, const Installation& installation, const Model& model) {

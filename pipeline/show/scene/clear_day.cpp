@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 
 #include "gles/gl/offscreen.hpp"
-#include "pipeline/show/scene/compositor.hpp"
 
 namespace kasumi {
 
@@ -31,7 +30,8 @@ SkyReport clear_day(const Direction& sun) {
   return report;
 }
 
-Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky, const std::optional<Turbidity>& air) {
+Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky, const std::optional<Turbidity>& air,
+                     double exposure) {
   constexpr double kHorizon = 0.34, kLand = 0.3;  // green, linear; of the horizon's light
   const glm::dvec3 grass{0.8, 1.0, 0.5};
   const Camera& camera = installation.scene;
@@ -44,7 +44,7 @@ Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky, con
     return daylight.airlight(direction) * camera.white_balance;
   };
   const glm::dvec3 ahead = camera.to_world * glm::dvec3{0.0, 0.0, 1.0};
-  const double unit = kHorizon / light_from(glm::normalize(glm::dvec3{ahead.x, ahead.y, 0.0})).g;
+  const double unit = exposure * kHorizon / light_from(glm::normalize(glm::dvec3{ahead.x, ahead.y, 0.0})).g;
   Image<Rgb8> picture(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {
     for (int x = 0; x < camera.width; ++x) {
@@ -59,10 +59,13 @@ Image<Rgb8> backdrop(const Installation& installation, const SkyReport& sky, con
 
 // A compositor for each: it would carry the light of one day into the next.
 Result<std::vector<Image<Rgb8>>> drawn_over(GlContext& context, const Installation& installation, const Model& model,
-                                            const std::vector<ClearDay>& days) {
+                                            const std::vector<ClearDay>& days,
+                                            std::shared_ptr<const CompositorInputs> prepared) {
+  if (!prepared) prepared = std::make_shared<const CompositorInputs>(prepare_scene(installation, model));
   std::vector<Image<Rgb8>> pictures;
   for (const auto& [sky, behind] : days) {
-    auto compositor = Compositor::create(context, installation, model, AirRendering{});
+    auto compositor =
+        Compositor::create(context, installation, model, SceneAir(installation, AirRendering{}), {}, prepared);
     if (!compositor) return fail(compositor.error());
     auto target = Offscreen::create(context.info(), installation.scene.width, installation.scene.height);
     if (!target) return fail(target.error());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <future>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -22,13 +23,17 @@ struct BuildingLook {
   std::uint64_t passers = 0;  // changes with the outline of those in the picture; 0: none
 };
 
+struct CompositorInputs;  // compositor_making.hpp
+
 // Belongs to the thread of its GL context. When that context is lost, a new compositor with the same model
 // and the old one's air() continues seamlessly.
 class Compositor {
  public:
-  // Sets up everything that never changes. `model` is used only here. Errors: bad_input (model, mask), device.
+  // Sets up everything that never changes. `model` is used only here; `prepared`: null: made here. Errors: bad_input
+  // (model, mask), device.
   static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
-                                   SceneAir air, const RendererOptions& renderer = {});
+                                   SceneAir air, const RendererOptions& renderer = {},
+                                   std::shared_ptr<const CompositorInputs> prepared = nullptr);
   static Result<Compositor> create(GlContext& context, const Installation& installation, const Model& model,
                                    AirRendering options);
   // Reads the installation's model first.

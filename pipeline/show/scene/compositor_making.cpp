@@ -24,8 +24,9 @@ Result<Compositor> Compositor::create(GlContext& context, const Installation& in
 }
 
 Result<Compositor> Compositor::create(GlContext& context, const Installation& installation, const Model& model,
-                                      SceneAir air, const RendererOptions& options) {
-  auto making = CompositorMaking::begin(context, installation, model, nullptr, std::move(air), options);
+                                      SceneAir air, const RendererOptions& options,
+                                      std::shared_ptr<const CompositorInputs> prepared) {
+  auto making = CompositorMaking::begin(context, installation, model, std::move(prepared), std::move(air), options);
   if (!making) return fail(making.error());
   for (;;) {
     const auto whole = making->step();

@@ -112,12 +112,12 @@ TEST(Look, TellsSizeTrianglesAndGround) {
 TEST(Look, TurnsTheModelRoundAndAZUpOneStandsUpright) {
   auto context = open_headless_context();
   if (!context) GTEST_SKIP() << context.error().message;
-  const auto views = must(turntable(**context, temple(), UpAxis::y));
-  ASSERT_EQ(views->size(), 8u);
-  const auto same = must(turntable(**context, with_z_up(temple()), UpAxis::z));
+  const auto views = must(turntable(**context, temple(), UpAxis::y))->views;
+  ASSERT_EQ(views.size(), 8u);
+  const auto same = must(turntable(**context, with_z_up(temple()), UpAxis::z))->views;
   for (std::size_t i = 0; i < 8; ++i) {
-    EXPECT_LT(difference((*views)[i], (*same)[i]).mean, 0.05) << i;
-    EXPECT_GT(difference((*views)[i], (*views)[(i + 1) % 8]).mean, 0.5) << i;
+    EXPECT_LT(difference(views[i], same[i]).mean, 0.05) << i;
+    EXPECT_GT(difference(views[i], views[(i + 1) % 8]).mean, 0.5) << i;
   }
 }
 
@@ -151,17 +151,42 @@ Model through_file(const Model& model, Packing packing) {
   return read;
 }
 
+// A white model is not burnt out, a dark one does not drown.
+TEST(Look, ASheetIsExposedForTheModel) {
+  auto context = open_headless_context();
+  if (!context) GTEST_SKIP() << context.error().message;
+  double before = 0.0;
+  for (const float grey : {0.95f, 0.05f}) {
+    Model model = temple();
+    for (ModelMaterial& material : model.materials) {
+      material.texture = -1;
+      material.base_colour = glm::vec4(glm::vec3(grey), 1.0f);
+    }
+    const auto turned = must(turntable(**context, model, UpAxis::y));
+    std::size_t white = 0, bright = 0, all = 0;
+    for (const auto& view : turned->views)
+      for (const Rgb8& texel : view.elements()) {
+        const int most = std::max({texel.r, texel.g, texel.b});
+        white += most >= 253, bright += most >= 160, ++all;
+      }
+    EXPECT_LT(static_cast<double>(white), 0.006 * static_cast<double>(all)) << grey;
+    EXPECT_GT(static_cast<double>(bright), 0.004 * static_cast<double>(all)) << grey;
+    EXPECT_GT(turned->exposure, before) << grey;
+    before = turned->exposure;
+  }
+}
+
 TEST(Look, ACompressedModelLooksLikeTheSameUncompressed) {
   auto context = open_headless_context();
   if (!context) GTEST_SKIP() << context.error().message;
   const Model plain = temple();
-  const auto views = must(turntable(**context, plain, UpAxis::y));
+  const auto views = must(turntable(**context, plain, UpAxis::y))->views;
   // Of 255, over the whole picture, a sixth of which or more is the building. meshopt may turn a triangle's corners round.
   for (const auto& [packing, most] :
        {std::pair{Packing::none, 0.0}, {Packing::meshopt, 1e-3}, {Packing::draco, 0.05}}) {
-    const auto packed = must(turntable(**context, through_file(plain, packing), UpAxis::y));
+    const auto packed = must(turntable(**context, through_file(plain, packing), UpAxis::y))->views;
     for (std::size_t i = 0; i < 8; ++i) {
-      const double off = difference((*views)[i], (*packed)[i]).mean;
+      const double off = difference(views[i], packed[i]).mean;
       RecordProperty(fmt::format("packing-{}-view-{}", int(packing), i), fmt::format("{:.3f}", off));
       EXPECT_LE(off, most) << "view " << i << ", packing " << int(packing);
     }
@@ -177,6 +202,10 @@ TEST(Look, AFoldersShareIsTold) {
   const auto told = ended(2, run_kasumi("look " + folder.string()));
   EXPECT_THAT(told.out, AllOf(HasSubstr("temple.GLB: 8124 triangles"), HasSubstr("3d-tiles-tools b3dmToGlb"),
                               HasSubstr("1 of 2 models can be read (50 %)")));
+  const auto several =
+      ended(2, run_kasumi(fmt::format("look {} {}/fixtures/temple.glb", folder.string(), source_folder().string())));
+  EXPECT_THAT(several.out, HasSubstr("2 of 3 models can be read (67 %)"));
+  EXPECT_THAT(ended(2, run_kasumi("look " + folder.string() + " --out none.png")).err, HasSubstr("are for one model"));
 }
 
 TEST(Look, WhatIsNoModelIsRefusedByNameWithWhatConvertsIt) {
