@@ -108,8 +108,19 @@ cv::Mat one_channel(const cv::Mat& picture) {
   return parts[0];
 }
 
+// .npy, as the networks that see distances write them, or several in a .npz, which is a ZIP.
+bool is_numpy(std::span<const std::uint8_t> bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 200));
+  return text.starts_with("\x93NUMPY") || (text.starts_with("PK\3\4") && text.find(".npy") != std::string_view::npos);
+}
+
 Result<DistanceNumbers> decode(const std::vector<std::uint8_t>& bytes, const std::string& channel) {
   const auto header = picture_header(bytes);
+  if (!header && is_numpy(bytes))
+    return fail(
+        FaultKind::bad_input,
+        "an array of NumPy: {}; cv2.imwrite('OUT.tiff', numpy.load('IN.npy').astype('float32').squeeze()) makes one",
+        kExpected);
   if (!header) return fail(FaultKind::bad_input, "{}", kExpected);
   if (auto bounded = check_size(*header, kPhotographLimits); !bounded) return fail(bounded.error());
   if (header->format == "EXR") return decode_exr(bytes, channel);

@@ -60,6 +60,7 @@ Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
       if (token != "-") file.add(key, token);  // of a list within a list
   };
   for (std::string line; std::getline(lines, line);) {
+    std::ranges::replace(line, '\t', ' ');
     if (const auto comment = line.find('#'); comment != std::string::npos && (comment == 0 || line[comment - 1] == ' '))
       line.resize(comment);
     const auto content = trimmed(line);
@@ -88,8 +89,17 @@ Result<KeyFile> KeyFile::parse_yaml(const std::string& text) {
       levels.push_back({indentation, key});
       continue;
     }
-    for (std::string more; open_brackets(value) > 0 && std::getline(lines, more);) value += " " + more;
-    if (value.starts_with('['))
+    for (std::string more; open_brackets(value) > 0 && std::getline(lines, more);) value += " " + trimmed(more);
+    if (value.starts_with('{') && value.ends_with('}')) {  // keys below it in one line
+      value = value.substr(1, value.size() - 2) + ",";
+      for (std::size_t from = 0, at = 0; at < value.size(); ++at) {
+        if (value[at] != ',' || open_brackets(value.substr(from, at - from)) > 0) continue;
+        const auto part = value.substr(from, at - from);
+        if (const auto of = part.find(':'); of != std::string::npos)
+          add_all(key + "." + without_quotes(trimmed(part.substr(0, of))), part.substr(of + 1));
+        from = at + 1;
+      }
+    } else if (value.starts_with('['))
       add_all(key, value);
     else
       file.add(key, value);
@@ -154,7 +164,9 @@ Result<KeyFile> KeyFile::parse_json(const std::string& text) {
   return file;
 }
 
-Result<KeyFile> KeyFile::parse(const std::string& text) {
+Result<KeyFile> KeyFile::parse(const std::string& whole) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  const std::string text = whole.starts_with(kByteOrderMark) ? whole.substr(kByteOrderMark.size()) : whole;
   const auto start = trimmed(text.substr(0, 4096));
   if (start.starts_with('<')) return parse_xml(text);
   return start.starts_with('{') ? parse_json(text) : parse_yaml(text);

@@ -250,7 +250,8 @@ Result<ForeignLens> read_kalibr(const KeyFile& file, const std::string& wanted) 
     problems.add("intrinsics: {} numbers: expected {} of {}", n.size(), 4 + extra, camera);
   const bool brown = distortion == NamedProjection::brown || distortion == NamedProjection::none;
   if (extra > 0 && !(brown && (extra == 1 || std::ranges::all_of(d, [](double x) { return x == 0.0; }))))
-    problems.add("distortion_model \"{}\" of {}: expected {}", bent, camera, extra == 1 ? "radtan or none" : "none");
+    problems.add("distortion_model \"{}\" of {} with {} distortion_coeffs: expected {}", bent, camera, d.size(),
+                 extra == 1 ? "radtan or none" : "none, and no coefficients");
   if (distortion == NamedProjection::field_of_view && (d.size() != 1 || !(d[0] > 0.0 && d[0] < 3.0)))
     problems.add("distortion_coeffs: expected one number of fov, 0 to 3");
   if ((distortion == NamedProjection::fisheye || distortion == NamedProjection::brown) && d.size() != 4)

@@ -108,6 +108,9 @@ TEST(DistanceMap, ProblemsOfTheFileAreReported) {
   EXPECT_THAT(read("depth_map = 'depth.png'\n" + step, 6).problems, HasSubstr("6 x 3 (it is 5 x 3)"));
   EXPECT_THAT(read("depth_map = 'eight-bits.png'\n" + step).problems, HasSubstr("PNG of 16 bits"));
   EXPECT_THAT(read("depth_map = 'words.png'\n" + step).problems, HasSubstr("expected a depth map: a grey PNG"));
+  ASSERT_TRUE(write_text_file(folder() / "array.npy", "\x93NUMPY\1"));
+  EXPECT_THAT(read("depth_map = 'array.npy'\n" + step).problems,
+              testing::AllOf(HasSubstr("an array of NumPy"), HasSubstr("cv2.imwrite('OUT.tiff'")));
   EXPECT_THAT(read("depth_map = 'nothing.png'\n" + step).problems, HasSubstr("expected a depth map: a grey PNG"));
   EXPECT_THAT(read("depth_map = 'absent.png'\n" + step).problems,
               HasSubstr("scene.depth_map = 'absent.png': expected an existing file"));

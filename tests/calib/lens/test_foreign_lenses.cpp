@@ -170,6 +170,18 @@ TEST(ForeignLens, RosCameraInfo) {
   EXPECT_THAT(refusal_of(text("my_model", "0, 0, 0, 0, 0")), HasSubstr("model \"my_model\": expected plumb_bob"));
 }
 
+// Windows' mark at the beginning and tabs behind colons; lists below keys in one line.
+TEST(ForeignLens, YamlInOtherClothes) {
+  expect_projection(
+      imported_from("\xef\xbb\xbfimage_width:\t1600\r\nimage_height: 1500\r\ncamera_name: head\r\ncamera_matrix: "
+                    "{rows: 3, cols: 3, data: "
+                    "[450.5, 0, 801.25, 0,\r\n  452.0, 748.5, 0, 0, 1]}\r\ndistortion_model: plumb_bob\r\n"
+                    "distortion_coefficients: {rows: 1, cols: 5, data: [-0.05, 0.008, 0.001, -0.0005, -0.0006]}\r\n"),
+      "OpenCV", by_opencv_pinhole({-0.05, 0.008, 0.001, -0.0005, -0.0006}), {0.0, 30.0, 55.0});
+  EXPECT_THAT(refusal_of("image_width: 1600\nimage_height: 1500\ncamera_matrix: {rows: 3, cols: 3, data: [450.5]}\n"),
+              HasSubstr("camera_matrix: expected 9 numbers"));
+}
+
 // As `rostopic echo` and `ros2 topic echo` print it.
 TEST(ForeignLens, RosMessagesOfWholePicturesAlone) {
   const std::string ros1 =
@@ -234,6 +246,8 @@ TEST(ForeignLens, KalibrsCamchain) {
         const double depth = 0.6 * std::sqrt(1.1 * (x * x + y * y) + z * z) + 0.4 * z;
         return glm::dvec2{450.5 * x / depth + 801.25, 452.0 * y / depth + 748.5};
       });
+  EXPECT_THAT(refusal_of(text("ds", "-0.2, 0.6, " + four, "none", "-0.28, 0.07, 0, 0")),
+              HasSubstr("\"none\" of ds with 4 distortion_coeffs: expected none, and no coefficients"));
   EXPECT_THAT(refusal_of(text("pinhole", four, "strange", "0")), HasSubstr("distortion_model \"strange\""));
 }
 
