@@ -101,7 +101,7 @@ void add_replay_command(CLI::App& app, Action& action) {
   command->add_option("fixture", arguments->fixture, "Folder with fixture.toml, sky/ and scene/")->required();
   command->add_option("--out", arguments->out, "Folder for PNGs and turbidity.csv, or FILE.mp4");
   command->add_flag("--window", arguments->window, "Show the pictures in a window (Escape closes it)");
-  command->add_option("--frames", arguments->frames, "At most N pictures")->check(CLI::PositiveNumber);
+  command->add_option("--frames", arguments->frames, "At most N pictures")->check(CLI::Range(1, 1'000'000'000));
   command->add_flag("--realtime", arguments->realtime, "At the recorded pace instead of as fast as possible");
   auto* turbidity =
       command->add_option("--turbidity", arguments->turbidity, "Draw the building under this T instead of the sky's")
