@@ -18,8 +18,8 @@ struct AccessorFloats {
   std::vector<float> values;
 };
 
-// `what` and the accessor's number begin every message. Errors (bad_input): no such accessor, more elements than `limit`,
-// an accessor beyond its buffer view or a view beyond its buffer, more than ModelLimits::numbers in all that was read.
+// `what` and the accessor's number begin every message. Errors (bad_input): no such accessor, more elements than
+// `limit`, an accessor beyond its buffer view or a view beyond its buffer, more than ModelLimits::numbers in all.
 class Accessors {
  public:
   Accessors(const tinygltf::Model& gltf, const ModelLimits& limits)

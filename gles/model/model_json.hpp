@@ -21,8 +21,8 @@ struct GltfClaims {
   bool to_mend = false;  // has what tinygltf would refuse, though compressed files have it: mended_json()
 };
 
-// Checks size, nesting depth, syntax, asset.version 2.x, and that required extensions are supported. Errors (bad_input): as
-// many as possible at once.
+// Checks size, nesting depth, syntax, asset.version 2.x, and that required extensions are supported. Errors (bad_input):
+// as many as possible at once.
 Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name, std::size_t most_values);
 
 // The same without that: buffers that bring no bytes (room for what meshopt packed) get one, and primitives lose
