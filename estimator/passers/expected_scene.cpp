@@ -128,23 +128,35 @@ void ExpectedScene::make_pixels(int column, int row) {
   made_.at(column, row) = turn_;
   const int side = place_.cell_px, half = side / 2;
   const auto pixels = static_cast<float>(side * side);
+  const auto count = static_cast<std::size_t>(side * side);
+  light_sums_.assign(count, 0.0F);
+  colour_sums_.assign(count / 4, glm::vec2{0});
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const float share = shares[i];
+    float* light = light_sums_.data();
+    for (int y = row * side; y < (row + 1) * side; ++y) {
+      const std::uint8_t* luma = pictures[i].luma.row(y) + column * side;
+      for (int x = 0; x < side; ++x) *light++ += share * tone_.luma_to_light(luma[x]);
+    }
+    glm::vec2* colour = colour_sums_.data();
+    for (int y = row * half; y < (row + 1) * half; ++y) {
+      const std::uint8_t *blue = pictures[i].blue.row(y) + column * half, *red = pictures[i].red.row(y) + column * half;
+      for (int x = 0; x < half; ++x) *colour++ += share * glm::vec2{blue[x] - 128.0F, red[x] - 128.0F};
+    }
+  }
   float mean = 0.0F;
+  const float* light = light_sums_.data();
   for (int y = row * side; y < (row + 1) * side; ++y)
     for (int x = column * side; x < (column + 1) * side; ++x) {
-      float light = 0.0F;
-      for (std::size_t i = 0; i < pictures.size(); ++i)
-        light += shares[i] * tone_.luma_to_light(pictures[i].luma.at(x, y));
-      luma_.at(x, y) = tone_.luma_to_code(light);
+      luma_.at(x, y) = tone_.luma_to_code(*light++);
       mean += luma_.at(x, y) / pixels;
     }
   glm::vec2 mean_colour{0};
+  const glm::vec2* colour = colour_sums_.data();
   for (int y = row * half; y < (row + 1) * half; ++y)
     for (int x = column * half; x < (column + 1) * half; ++x) {
-      glm::vec2 colour{0};
-      for (std::size_t i = 0; i < pictures.size(); ++i)
-        colour += shares[i] * glm::vec2{pictures[i].blue.at(x, y) - 128.0F, pictures[i].red.at(x, y) - 128.0F};
-      colour_.at(x, y) = colour;
-      mean_colour += 4.0F * colour / pixels;
+      colour_.at(x, y) = *colour;
+      mean_colour += 4.0F * *colour++ / pixels;
     }
   const glm::vec3& is = expected_.at(column, row);
   for (int y = row * side; y < (row + 1) * side; ++y)

@@ -65,9 +65,11 @@ class ExpectedScene {
   Image<Cell> cells_;
   Image<glm::vec3> light_, expected_, rest_;  // expected, rest: Y, Cb - 128, Cr - 128
   Image<float> sigma_, score_;
-  Image<float> luma_;          // of each pixel
-  Image<glm::vec2> colour_;    // of 2 x 2 pixels
-  Image<std::uint32_t> made_;  // in which turn a cell's pixels were
+  Image<float> luma_;                   // of each pixel
+  Image<glm::vec2> colour_;             // of 2 x 2 pixels
+  Image<std::uint32_t> made_;           // in which turn a cell's pixels were
+  std::vector<float> light_sums_;       // of a cell's pixels, while they are made
+  std::vector<glm::vec2> colour_sums_;  // of its 2 x 2 pixels
   std::uint32_t turn_ = 1;
   double median_luma_ = 0.0, detail_noise_ = 2.0, pixel_noise_ = 4.0;
 };

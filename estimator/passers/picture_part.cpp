@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
+#include <vector>
 
 namespace kasumi {
 namespace {
@@ -16,8 +18,29 @@ std::uint8_t luma_of(const Rgb8& c) {
 }
 
 // The planes that a layout keeps as they are: every `step`-th byte of `count` in a row.
-void pick(const std::uint8_t* from, int step, int count, std::uint8_t* to) {
+template <int step>
+void pick_every(const std::uint8_t* __restrict from, int count, std::uint8_t* __restrict to) {
   for (int i = 0; i < count; ++i) to[i] = from[i * step];
+}
+void pick(const std::uint8_t* from, int step, int count, std::uint8_t* to) {
+  if (step == 1) return pick_every<1>(from, count, to);
+  if (step == 2) return pick_every<2>(from, count, to);
+  pick_every<4>(from, count, to);
+}
+
+// The sums of `side` x `side` bytes each, of a row of such squares.
+void sum_squares(const Image<std::uint8_t>& of, int row, int side, std::vector<int>& sums) {
+  std::vector<std::uint32_t> columns(static_cast<std::size_t>(of.width()), 0);
+  for (int y = row * side; y < (row + 1) * side; ++y) {
+    const std::uint8_t* __restrict from = of.row(y);
+    std::uint32_t* __restrict to = columns.data();
+    for (int x = 0; x < of.width(); ++x) to[x] += from[x];
+  }
+  sums.resize(columns.size() / static_cast<std::size_t>(side));
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    sums[i] = std::accumulate(columns.begin() + static_cast<std::ptrdiff_t>(i) * side,
+                              columns.begin() + static_cast<std::ptrdiff_t>(i + 1) * side, 0,
+                              [](int sum, std::uint32_t one) { return sum + static_cast<int>(one); });
 }
 
 struct Packing {
@@ -63,16 +86,19 @@ PartPlace part_around(int left, int top, int right, int bottom, int margin_px, i
 Image<glm::vec3> means_of_cells(const Image<std::uint8_t>& luma, const Image<std::uint8_t>& blue,
                                 const Image<std::uint8_t>& red, int cell_px) {
   Image<glm::vec3> cells(luma.width() / cell_px, luma.height() / cell_px);
-  const auto mean = [](const Image<std::uint8_t>& of, int column, int row, int side) {
-    int sum = 0;
-    for (int y = row * side; y < (row + 1) * side; ++y)
-      for (int x = column * side; x < (column + 1) * side; ++x) sum += of.at(x, y);
-    return static_cast<float>(sum) / static_cast<float>(side * side);
+  std::vector<int> lumas, blues, reds;
+  const int half = cell_px / 2;
+  const auto mean = [](const std::vector<int>& sums, int column, int side) {
+    return static_cast<float>(sums[static_cast<std::size_t>(column)]) / static_cast<float>(side * side);
   };
-  for (int row = 0; row < cells.height(); ++row)
+  for (int row = 0; row < cells.height(); ++row) {
+    sum_squares(luma, row, cell_px, lumas);
+    sum_squares(blue, row, half, blues);
+    sum_squares(red, row, half, reds);
     for (int column = 0; column < cells.width(); ++column)
-      cells.at(column, row) = {mean(luma, column, row, cell_px), mean(blue, column, row, cell_px / 2) - 128.0F,
-                               mean(red, column, row, cell_px / 2) - 128.0F};
+      cells.at(column, row) = {mean(lumas, column, cell_px), mean(blues, column, half) - 128.0F,
+                               mean(reds, column, half) - 128.0F};
+  }
   return cells;
 }
 

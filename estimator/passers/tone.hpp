@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -16,7 +17,7 @@ class Tone {
   // Values of 0..255, between whole ones, too; light of 0..1.
   glm::vec3 to_light(const glm::vec3& code) const;
   glm::vec3 to_code(const glm::vec3& light) const;
-  float luma_to_light(float code) const { return light(code, 1); }
+  float luma_to_light(std::uint8_t code) const { return light_[1][code]; }
   float luma_to_code(float light) const { return code(light, 1); }
 
  private:
