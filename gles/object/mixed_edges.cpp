@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
+#include <cstring>
+#include <optional>
 
 #include "gles/gl/patterns.hpp"
 #include "gles/light/airlight_grid.hpp"
-#include "gles/picture/camera_pixels.hpp"
+#include "gles/picture/encoded_eight.hpp"
 #include "gles/picture/response_table.hpp"
 
 // GLSL ES writes its constants without a type.
@@ -24,52 +24,68 @@
 namespace kasumi {
 namespace {
 
-// As much of GLSL as the text uses.
+// As much of GLSL as the text uses, for eight pixels at a time: a `lanes` is its float, a `flags` its bool.
+struct flags {
+  Integers set;
+};
+struct lanes {
+  Floats of;
+  lanes() = default;
+  constexpr lanes(Floats all) : of(all) {}
+  constexpr lanes(double all) : lanes(static_cast<float>(all), 0) {}
+
+ private:
+  constexpr lanes(float all, int) : of{all, all, all, all, all, all, all, all} {}
+};
 struct vec2 {
-  float x, y;
+  lanes x, y;
   vec2() = default;
-  constexpr vec2(float both) : x(both), y(both) {}
-  constexpr vec2(float a, float b) : x(a), y(b) {}
+  constexpr vec2(lanes both) : x(both), y(both) {}
+  constexpr vec2(double both) : vec2(lanes(both)) {}
+  constexpr vec2(lanes a, lanes b) : x(a), y(b) {}
 };
 struct vec3 {
-  float r, g, b;
+  lanes r, g, b;
   vec3() = default;
-  constexpr explicit vec3(float all) : r(all), g(all), b(all) {}
-  constexpr vec3(float x, float y, float z) : r(x), g(y), b(z) {}
-};
-struct LastTwo {
-  float others[2], z, w;
-  operator vec2() const { return {z, w}; }
+  constexpr explicit vec3(lanes all) : r(all), g(all), b(all) {}
+  constexpr vec3(lanes x, lanes y, lanes z) : r(x), g(y), b(z) {}
 };
 struct vec4 {
   union {
-    struct {
-      float x, y, z, w;
-    };
-    struct {
-      float r, g, b, a;
-    };
-    vec2 xy;
-    LastTwo zw;
-    vec3 rgb;
+    lanes x, r;
   };
+  union {
+    lanes y, g;
+  };
+  union {
+    lanes z, b;
+  };
+  union {
+    lanes w, a;
+  };
+  vec2 first_two() const { return {x, y}; }
+  vec2 last_two() const { return {z, w}; }
+  vec3 first_three() const { return {x, y, z}; }
   vec4() = default;
-  constexpr explicit vec4(float all) : x(all), y(all), z(all), w(all) {}
-  constexpr vec4(float a, float b, float c, float d) : x(a), y(b), z(c), w(d) {}
-  constexpr vec4(const vec3& v, float d) : x(v.r), y(v.g), z(v.b), w(d) {}
+  constexpr explicit vec4(lanes all) : x(all), y(all), z(all), w(all) {}
+  constexpr vec4(lanes a, lanes b, lanes c, lanes d) : x(a), y(b), z(c), w(d) {}
+  constexpr vec4(const vec3& v, lanes d) : x(v.r), y(v.g), z(v.b), w(d) {}
 };
 
 #define KASUMI_EACH(op)                                      \
+  inline lanes operator op(lanes p, lanes q) {               \
+    return p.of op q.of;                                     \
+  }                                                          \
   inline vec2 operator op(vec2 p, vec2 q) {                  \
     return {p.x op q.x, p.y op q.y};                         \
   }                                                          \
   inline vec3 operator op(vec3 p, vec3 q) {                  \
     return {p.r op q.r, p.g op q.g, p.b op q.b};             \
   }                                                          \
-  inline vec3 operator op(vec3 p, float q) {                 \
+  inline vec3 operator op(vec3 p, lanes q) {                 \
     return {p.r op q, p.g op q, p.b op q};                   \
   }                                                          \
-  inline vec3 operator op(float p, vec3 q) {                 \
+  inline vec3 operator op(lanes p, vec3 q) {                 \
     return {p op q.r, p op q.g, p op q.b};                   \
   }                                                          \
   inline vec4 operator op(vec4 p, vec4 q) {                  \
@@ -83,137 +99,125 @@ KASUMI_EACH(/)
 inline vec3& operator*=(vec3& p, vec3 q) {
   return p = p * q;
 }
-inline vec3& operator*=(vec3& p, float q) {
+inline vec3& operator*=(vec3& p, lanes q) {
+  return p = p * q;
+}
+inline lanes& operator*=(lanes& p, lanes q) {
   return p = p * q;
 }
 inline vec4& operator+=(vec4& p, vec4 q) {
   return p = p + q;
 }
 
-inline float min(float p, float q) {
-  return p < q ? p : q;
+inline flags operator<(lanes p, lanes q) {
+  return {p.of < q.of};
 }
-inline float max(float p, float q) {
-  return p > q ? p : q;
+inline flags operator>(lanes p, lanes q) {
+  return {p.of > q.of};
 }
-inline float clamp(float p, float low, float high) {
+inline flags operator&&(flags p, flags q) {
+  return {p.set & q.set};
+}
+inline bool any(flags f) {
+  Integers all = f.set;
+  std::int32_t sum = 0;
+  for (std::size_t i = 0; i < kLanes; ++i) sum |= all[i];
+  return sum != 0;
+}
+inline lanes either(flags f, lanes yes, lanes no) {
+  return f.set ? yes.of : no.of;
+}
+inline vec3 either(flags f, vec3 yes, vec3 no) {
+  return {either(f, yes.r, no.r), either(f, yes.g, no.g), either(f, yes.b, no.b)};
+}
+
+inline lanes min(lanes p, lanes q) {
+  return either(p < q, p, q);
+}
+inline lanes max(lanes p, lanes q) {
+  return either(p > q, p, q);
+}
+inline lanes clamp(lanes p, lanes low, lanes high) {
   return min(max(p, low), high);
 }
-inline float mix(float p, float q, float share) {
-  return p * (1.0F - share) + q * share;
+inline lanes mix(lanes p, lanes q, lanes share) {
+  return p * (1.0 - share) + q * share;
 }
-inline vec2 clamp(vec2 p, vec2 low, vec2 high) {
-  return {clamp(p.x, low.x, high.x), clamp(p.y, low.y, high.y)};
-}
-inline vec3 max(vec3 p, float q) {
+inline vec3 max(vec3 p, lanes q) {
   return {max(p.r, q), max(p.g, q), max(p.b, q)};
 }
-inline vec3 clamp(vec3 p, float low, float high) {
+inline vec3 clamp(vec3 p, lanes low, lanes high) {
   return {clamp(p.r, low, high), clamp(p.g, low, high), clamp(p.b, low, high)};
 }
-inline vec3 mix(vec3 p, vec3 q, float share) {
+inline vec3 mix(vec3 p, vec3 q, lanes share) {
   return {mix(p.r, q.r, share), mix(p.g, q.g, share), mix(p.b, q.b, share)};
 }
-inline vec3 sqrt(vec3 p) {
-  return {std::sqrt(p.r), std::sqrt(p.g), std::sqrt(p.b)};
+inline lanes sqrt(lanes p) {
+  float values[kLanes];
+  std::memcpy(values, &p, sizeof p);
+  for (float& value : values) value = std::sqrt(value);
+  return loaded<Floats>(values);
 }
-inline float dot(vec3 p, vec3 q) {
+inline vec3 sqrt(vec3 p) {
+  return {sqrt(p.r), sqrt(p.g), sqrt(p.b)};
+}
+inline lanes dot(vec3 p, vec3 q) {
   return p.r * q.r + p.g * q.g + p.b * q.b;
 }
 
-// Texels in memory, nearest or (`smooth`) filtered, clamped to the edges.
+// The texel of each of the pixels that are mixed: no other will be asked for.
 struct sampler2D {
-  enum class Texel { luminance, luminance_alpha, rgba } kind = Texel::rgba;
-  const void* texels = nullptr;
-  int width = 0, height = 0;
-  bool smooth = false;
-  const vec4* here = nullptr;  // the texel of the pixel that is mixed: no other will be asked for
-
-  vec4 at(int x, int y) const {
-    const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-    constexpr float kByte = 1.0F / 255.0F;  // as GL reads 8-bit texels
-    const auto* bytes = static_cast<const std::uint8_t*>(texels);
-    switch (kind) {
-      case Texel::luminance: return {vec3(bytes[i] * kByte), 1.0F};
-      case Texel::luminance_alpha: return {vec3(bytes[2 * i] * kByte), bytes[2 * i + 1] * kByte};
-      case Texel::rgba:
-        return {vec3(bytes[4 * i], bytes[4 * i + 1], bytes[4 * i + 2]) * kByte, bytes[4 * i + 3] * kByte};
-    }
-    return vec4(0.0F);
-  }
+  const vec4* here = nullptr;
 };
-template <class Texel>
-sampler2D sampler(sampler2D::Texel kind, const Image<Texel>& image) {
-  return {kind, image.elements().data(), image.width(), image.height()};
+inline const vec4& texture2D(const sampler2D& s, vec2) {
+  return *s.here;
 }
-
-inline vec4 texture2D(const sampler2D& s, vec2 place) {
-  if (s.here) return *s.here;
-  const float u = place.x * static_cast<float>(s.width), v = place.y * static_cast<float>(s.height);
-  const auto held = [](int at, int size) { return std::clamp(at, 0, size - 1); };
-  if (s.smooth) {
-    const float left = std::floor(u - 0.5F), top = std::floor(v - 0.5F), right = u - 0.5F - left, down = v - 0.5F - top;
-    const int x = static_cast<int>(left), y = static_cast<int>(top);
-    const auto row = [&](int of) {
-      const vec4 a = s.at(held(x, s.width), held(of, s.height)), b = s.at(held(x + 1, s.width), held(of, s.height));
-      return a * vec4(1.0F - right) + b * vec4(right);
-    };
-    return row(y) * vec4(1.0F - down) + row(y + 1) * vec4(down);
-  }
-  const int x = static_cast<int>(std::floor(u)), y = static_cast<int>(std::floor(v));
-  return s.at(held(x, s.width), held(y, s.height));
-}
-
-// The light of the camera's pixels in a box, each found when it is first asked for: around a mixed pixel thirteen are.
-class LightSeen {
- public:
-  explicit LightSeen(const PixelBox& box)
-      : box_(box), light_(std::make_unique_for_overwrite<vec3[]>(count())), known_(count(), 0) {}
-  template <class Find>
-  vec3 at(int x, int y, Find find) {
-    if (x < box_.left || x >= box_.right || y < box_.top || y >= box_.bottom) return find();
-    const auto i = static_cast<std::size_t>(y - box_.top) * columns() + static_cast<std::size_t>(x - box_.left);
-    if (known_[i] == 0) {
-      light_[i] = find();
-      known_[i] = 1;
-    }
-    return light_[i];
-  }
-
- private:
-  std::size_t columns() const { return static_cast<std::size_t>(box_.right - box_.left); }
-  std::size_t count() const { return columns() * static_cast<std::size_t>(box_.bottom - box_.top); }
-  PixelBox box_;
-  std::unique_ptr<vec3[]> light_;
-  std::vector<std::uint8_t> known_;
-};
 
 // What the text takes from elsewhere.
 struct TextInputs {
-  const PictureView* camera_planes = nullptr;
-  YuvToRgb camera_matrix;
   const ResponseTables* response_of_camera = nullptr;
-  vec4 steps, numbers, object;  // texels of the pixel: of dither, noise and layer
+  vec4 steps, numbers, object;  // texels of dither, noise and layer
+  vec3 seen_by_camera;
   vec4 gl_FragColor;
 
-  glm::ivec2 pixel_at(vec2 place) const {
-    const PictureView& p = *camera_planes;
-    const int x = static_cast<int>(place.x * static_cast<float>(p.width));
-    const int y = static_cast<int>(place.y * static_cast<float>(p.height));
-    return {std::clamp(x, 0, p.width - 1), std::clamp(y, 0, p.height - 1)};
-  }
-  vec3 camera_at(vec2 place) const {
-    const glm::ivec2 pixel = pixel_at(place);
-    const glm::vec3 seen = encoded_at(*camera_planes, camera_matrix, pixel.x, pixel.y);
-    return {seen.x, seen.y, seen.z};
-  }
-  float in_table(float at, float row) const {  // as in response.glsl
+  const vec3& camera_at(vec2) const { return seen_by_camera; }
+  lanes in_table(lanes at, double row) const {  // as in response.glsl
     const int first = static_cast<int>(row);
-    const auto& table =
-        response_of_camera->values[static_cast<std::size_t>(first / 4)][static_cast<std::size_t>(first % 4)];
-    const float place = clamp(at, 0.0F, 1.0F) * static_cast<float>(kResponseEntries - 1);
-    const auto entry = static_cast<std::size_t>(min(place, static_cast<float>(kResponseEntries - 2)));
-    return mix(table[entry], table[entry + 1], place - static_cast<float>(entry));
+    const float* table =
+        response_of_camera->values[static_cast<std::size_t>(first / 4)][static_cast<std::size_t>(first % 4)].data();
+    const lanes place = clamp(at, 0.0, 1.0) * double(kResponseEntries - 1);
+    const Integers entry = __builtin_convertvector(min(place, double(kResponseEntries - 2)).of, Integers);
+    const auto found = [&](const float* from) {
+      return Floats{from[entry[0]], from[entry[1]], from[entry[2]], from[entry[3]],
+                    from[entry[4]], from[entry[5]], from[entry[6]], from[entry[7]]};
+    };
+    return mix(found(table), found(table + 1), place - lanes(__builtin_convertvector(entry, Floats)));
+  }
+};
+
+// ... where something is in front of the object.
+struct OpenInputs : TextInputs {
+  const float* light_here = nullptr;  // red of the first of the pixels
+  std::ptrdiff_t light_row = 0, light_plane = 0;
+  vec3 light_seen(vec2, vec2 pixels_away) const {
+    const float* there =
+        light_here + static_cast<int>(pixels_away.y.of[0]) * light_row + static_cast<int>(pixels_away.x.of[0]);
+    return {loaded<Floats>(there), loaded<Floats>(there + light_plane), loaded<Floats>(there + 2 * light_plane)};
+  }
+
+  const float* node_lines = nullptr;  // of both kinds, four channels each, in the row that is mixed; null: no nodes
+  std::ptrdiff_t columns = 0;
+  std::array<std::ptrdiff_t, 2> nodes_before{};  // of the first four pixels and of the others
+  lanes from_before;                             // how far from it to the next
+  vec4 nodes_at(vec2, double kind) const {
+    if (!node_lines) return vec4(0.0);
+    const float* line = node_lines + static_cast<std::ptrdiff_t>(4.0 * kind) * columns;
+    const auto channel = [&](std::ptrdiff_t c) {
+      const float *a = line + c * columns + nodes_before[0], *b = line + c * columns + nodes_before[1];
+      return mix(Floats{a[0], a[0], a[0], a[0], b[0], b[0], b[0], b[0]},
+                 Floats{a[1], a[1], a[1], a[1], b[1], b[1], b[1], b[1]}, from_before);
+    };
+    return {channel(0), channel(1), channel(2), channel(3)};
   }
 };
 
@@ -221,7 +225,14 @@ struct TextInputs {
 #define uniform
 #define varying
 #define const static constexpr
-#define main mix_pixel
+#define float lanes
+#define bool flags
+#define xy first_two()
+#define zw last_two()
+#define rgb first_three()
+#define ANY any
+#define EITHER either
+#define main mix_pixels
 #define EDGE
 #define COVERAGE
 #define NOISE
@@ -234,28 +245,41 @@ struct FreeText : TextInputs {  // nothing is in front of the object
 #define MATTE
 #define MATTE_NODES
 #define IN_FRONT
-struct OpenText : TextInputs {
-  LightSeen* kept_light = nullptr;
-  vec3 light_seen(vec2 place) {
-    glm::ivec2 pixel = pixel_at(place);  // `const` is the text's
-    return kept_light->at(pixel.x, pixel.y, [&] { return light_of(clamp(camera_at(place), 0.0F, 1.0F)); });
-  }
+struct OpenText : OpenInputs {
 #include "picture.frag"
 #undef shown
 };
 #undef uniform
 #undef varying
 #undef const
+#undef float
+#undef bool
+#undef xy
+#undef zw
+#undef rgb
+#undef ANY
+#undef EITHER
 #undef main
 
-vec2 two(const glm::dvec2& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y)};
-}
+constexpr float kByte = 1.0F / 255.0F;  // as GL reads 8-bit texels
+// Of the eight pixels.
+constexpr Floats kOrder{0, 1, 2, 3, 4, 5, 6, 7};
+
 vec3 three(const glm::dvec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  return {v.x, v.y, v.z};
 }
-vec4 four(const glm::dvec4& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z), static_cast<float>(v.w)};
+vec3 three(const std::array<Floats, 3>& of) {
+  return {of[0], of[1], of[2]};
+}
+Integers bytes_of(lanes value) {
+  return __builtin_convertvector((255.0 * clamp(value, 0.0, 1.0) + 0.5).of, Integers);
+}
+template <class Find>
+lanes each(Find find) {
+  return Floats{find(0), find(1), find(2), find(3), find(4), find(5), find(6), find(7)};
+}
+lanes shares_of(const std::array<std::uint8_t, kLanes>& bytes) {
+  return each([&](int i) { return static_cast<float>(bytes[static_cast<std::size_t>(i)]) * kByte; });
 }
 
 // A texel of a pattern that is repeated over the picture; its sides are powers of 2.
@@ -263,42 +287,172 @@ template <class Texel>
 const Texel& repeated(const Image<Texel>& pattern, int x, int y) {
   return pattern.at(x & (pattern.width() - 1), y & (pattern.height() - 1));
 }
-vec4 dither_at(const Image<std::uint8_t>& pattern, int x, int y) {
-  return {vec3(static_cast<float>(repeated(pattern, x, y)) * (1.0F / 255.0F)), 1.0F};
-}
 
-// The nodes of the matte as matte.frag finds them, behind in the left half, in front in the right one.
-Image<glm::u8vec4> nodes_of(const MatteNodes& matte, const OpenText& text, const Image<std::uint8_t>& dither) {
-  Image<glm::u8vec4> nodes(2 * matte.columns, matte.rows, glm::u8vec4{0});
-  const vec2 size(static_cast<float>(text.camera_planes->width), static_cast<float>(text.camera_planes->height));
-  OpenText own = text;
-  for (const MatteNode& node : matte.nodes) {
-    const glm::dvec2 middle = glm::dvec2(matte.corner_px) + (glm::dvec2(node.at) + 0.5) * double(matte.cell_px) - 0.5;
-    for (const bool front : {false, true}) {
-      vec3 sum(0.0F);
-      float weight = 0.0F;
-      for (const auto& tap : front ? node.front : node.clear) {
-        if (!tap) continue;
-        const double across = tap->x - middle.x, down = tap->y - middle.y;
-        const double far = std::sqrt(across * across + down * down) + 1.0;
-        const auto share = static_cast<float>(1.0 / (front ? far : far * far));  // the falloffs of matte.cpp
-        const vec2 place(static_cast<float>(tap->x) + 0.5F, static_cast<float>(tap->y) + 0.5F);
-        sum = sum + share * own.light_of(clamp(own.camera_at(place / size), 0.0F, 1.0F));
-        weight += share;
-      }
-      if (weight <= 0.0F) continue;
-      const glm::ivec2 at{node.at.x + (front ? matte.columns : 0), node.at.y};
-      const vec4 steps = dither_at(dither, at.x, at.y);
-      own.dither_pattern.here = &steps;
-      const float step = own.dither({}) / 255.0F;
-      const vec3 root = sqrt(sum / weight);
-      const auto byte = [&](float value) {
-        return static_cast<std::uint8_t>(static_cast<int>(255.0F * clamp(value + step, 0.0F, 1.0F) + 0.5F));
-      };
-      nodes.at(at.x, at.y) = {byte(root.r), byte(root.g), byte(root.b), 255};
+// The light around mixed pixels, and the nodes as matte.frag finds them.
+void follow_matte(OpenText& text, const EdgeInputs& in, const MatteBand& band, MatteLight& kept) {
+  const EncodedEight camera(in.camera);
+  const std::size_t columns = static_cast<std::size_t>(band.box.right - band.box.left);
+  const std::size_t plane = columns * static_cast<std::size_t>(band.box.bottom - band.box.top);
+  kept.light.resize(3 * plane + 2 * kLanes);
+  float* first = kept.light.data() + kLanes;
+  for (const MatteBand::Run& run : band.runs) {
+    float* to = first + static_cast<std::size_t>(run.y - band.box.top) * columns - band.box.left;
+    for (int x = run.left; x < run.right; x += kEight) {
+      const vec3 light = text.light_of(clamp(three(camera.at(x, run.y)), 0.0, 1.0));
+      std::memcpy(to + x, &light.r, sizeof light.r);
+      std::memcpy(to + x + plane, &light.g, sizeof light.g);
+      std::memcpy(to + x + 2 * plane, &light.b, sizeof light.b);
     }
   }
-  return nodes;
+  const std::size_t nodes = static_cast<std::size_t>(band.columns) * static_cast<std::size_t>(band.rows);
+  kept.nodes.assign(8 * nodes, 0.0F);
+  for (const MatteBand::Node& node : band.nodes) {
+    float sum[3]{}, weight = 0.0F;
+    for (std::uint32_t i = node.first_tap; i < node.last_tap; ++i) {
+      const MatteBand::Tap& tap = band.taps[i];
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += tap.weight * first[c * plane + tap.at];
+      weight += tap.weight;
+    }
+    const bool front = node.at.x >= band.columns;
+    const auto at = static_cast<std::size_t>(node.at.y * band.columns + node.at.x - (front ? band.columns : 0));
+    const float step = (static_cast<float>(repeated(in.patterns.dither, node.at.x, node.at.y)) / 256.0F - 0.5F) * kByte;
+    float* to = kept.nodes.data() + (front ? 4 * nodes : 0) + at;
+    for (std::size_t c = 0; c < 3; ++c)
+      to[c * nodes] = kByte * std::floor(255.0F * std::clamp(std::sqrt(sum[c] / weight) + step, 0.0F, 1.0F) + 0.5F);
+    to[3 * nodes] = 1.0F;
+  }
+  kept.lines.resize(8 * static_cast<std::size_t>(band.columns));
+}
+
+// The nodes' values in the middle of a row of pixels.
+void find_lines(const MatteBand& band, int y, MatteLight& kept) {
+  const float down = (static_cast<float>(y - band.corner_px.y) + 0.5F) / static_cast<float>(band.cell_px) - 0.5F;
+  const int above = std::clamp(static_cast<int>(std::floor(down)), 0, band.rows - 2);
+  const float below = std::clamp(down - static_cast<float>(above), 0.0F, 1.0F);
+  const std::size_t columns = static_cast<std::size_t>(band.columns);
+  const std::size_t nodes = columns * static_cast<std::size_t>(band.rows);
+  for (std::size_t channel = 0; channel < 8; ++channel) {
+    const float* from = kept.nodes.data() + channel * nodes + static_cast<std::size_t>(above) * columns;
+    float* to = kept.lines.data() + channel * columns;
+    for (std::size_t i = 0; i < columns; ++i) to[i] = from[i] * (1.0F - below) + from[columns + i] * below;
+  }
+}
+
+// Between which nodes the eight pixels lie.
+void find_nodes(const MatteBand& band, int left, OpenText& text) {
+  const lanes along = (lanes(kOrder) + (left - band.corner_px.x + 0.5)) * (1.0 / band.cell_px) - 0.5;
+  const auto before = [&](int of) {
+    return std::clamp(static_cast<int>(std::floor(along.of[of])), 0, band.columns - 2);
+  };
+  const int first = before(0), second = before(kEight / 2);
+  const auto a = static_cast<float>(first), b = static_cast<float>(second);
+  text.nodes_before = {first, second};
+  text.from_before = along - lanes(Floats{a, a, a, a, b, b, b, b});
+}
+
+// `prepare`: before the first of a row's eights, and before each.
+template <class Text, class BeginRow, class Begin>
+void mix_all(Text& text, const EdgeInputs& in, glm::ivec2 first, Image<glm::u8vec4>& mixed, BeginRow begin_row,
+             Begin begin) {
+  const EncodedEight camera(in.camera);
+  text.saturation = in.measured.saturation;
+  text.noise_shot = three(in.noise.shot);
+  text.noise_read2 = three(in.noise.read * in.noise.read);
+  const glm::ivec2 noise_first = noise_start(in.noise.pattern % kNoisePatterns);
+  text.dither_pattern.here = &text.steps;
+  text.noise_pattern.here = &text.numbers;
+  text.layer.here = &text.object;
+  text.numbers = vec4(0.5);
+  std::optional<AirlightRow> airlight;
+  int row = 0;
+  for (const EightPixels& eight : in.pixels.eights(in.passers != nullptr)) {
+    const std::uint32_t which = in.passers ? eight.whole : eight.edge;
+    const int left = eight.left, y = eight.top;
+    if (!airlight || row != y) {
+      row = y;
+      airlight.emplace(in.measured, y);
+      begin_row(y);
+    }
+    begin(eight);
+    text.seen_by_camera = three(camera.at(left, y));
+    text.object = {loaded<Floats>(eight.texel[0].data()), loaded<Floats>(eight.texel[1].data()),
+                   loaded<Floats>(eight.texel[2].data()), loaded<Floats>(eight.texel[3].data())};
+    text.steps.r = each([&](int i) { return static_cast<float>(repeated(in.patterns.dither, left + i, y)) * kByte; });
+    if (!in.noise.none()) {
+      std::array<float, kLanes> numbers[3];
+      for (int i = 0; i < kEight; ++i) {
+        const glm::u8vec3& of = repeated(in.patterns.noise, left + i + noise_first.x, y + noise_first.y);
+        for (std::size_t c = 0; c < 3; ++c) numbers[c][static_cast<std::size_t>(i)] = of[static_cast<int>(c)];
+      }
+      text.numbers = {vec3(loaded<Floats>(numbers[0].data()), loaded<Floats>(numbers[1].data()),
+                           loaded<Floats>(numbers[2].data())) *
+                          kByte,
+                      1.0};
+    }
+    // Of the grid's light, which is linear but for its lines, far apart.
+    const glm::dvec3 light = airlight->at(left) * in.pixels.unit();
+    const glm::dvec3 change = (airlight->at(left + kEight - 1) * in.pixels.unit() - light) / (kEight - 1.0);
+    text.v_airlight_root = sqrt(three(light) + lanes(kOrder) * three(change));
+    text.mix_pixels();
+
+    const vec4& seen = text.gl_FragColor;
+    const Integers changed = Integers{1, 2, 4, 8, 16, 32, 64, 128} & static_cast<std::int32_t>(which);
+    const Integers written = (changed != 0) & (seen.a > 0.0).set;
+    const Integers share = bytes_of(seen.a);
+    const Integers pixels =
+        bytes_of(seen.r) | bytes_of(seen.g) << 8 | bytes_of(seen.b) << 16 | (share < 1 ? 1 : share) << 24;
+    glm::u8vec4* to = mixed.row(y - first.y) + (left - first.x);
+    if (left >= first.x && left + kEight <= first.x + mixed.width()) {
+      const Integers before = loaded<Integers>(to), after = written ? pixels : before;
+      std::memcpy(to, &after, sizeof after);
+    } else {
+      for (int i = 0; i < kEight; ++i)
+        if (const std::int32_t pixel = pixels[i]; written[i]) std::memcpy(to + i, &pixel, sizeof *to);
+    }
+  }
+}
+
+void mix_open(const EdgeInputs& in, glm::ivec2 first, Image<glm::u8vec4>& mixed, MatteLight& kept) {
+  OpenText text;
+  text.response_of_camera = &in.response;
+  vec4 mask(1.0), passer(1.0);
+  text.foreground.here = &mask;
+  text.in_front.here = &passer;
+  const MatteBand* band = in.pixels.band();
+  if (band) {
+    follow_matte(text, in, *band, kept);
+    text.node_lines = kept.lines.data();
+    text.columns = band->columns;
+    text.light_row = band->box.right - band->box.left;
+    text.light_plane = text.light_row * (band->box.bottom - band->box.top);
+  }
+  const auto begin_row = [&](int y) {
+    if (band) find_lines(*band, y, kept);
+  };
+  const auto begin = [&](const EightPixels& eight) {
+    if (in.pixels.is_left_open()) {
+      mask.r = shares_of(eight.free_share);
+      mask.a = shares_of(eight.confidence);
+    }
+    if (band) {
+      // Of eights without a mixed pixel it is not asked for, and may lie elsewhere.
+      text.light_here =
+          kept.light.data() + kLanes + (eight.top - band->box.top) * text.light_row + eight.left - band->box.left;
+      find_nodes(*band, eight.left, text);
+    }
+    if (!in.passers) return;
+    const InFront& passers = *in.passers;
+    const int y = eight.top - passers.top;
+    float values[4][kLanes];
+    for (int i = 0; i < kEight; ++i) {
+      const int x = eight.left + i - passers.left;
+      const glm::u8vec4 of = passers.pixels.contains(x, y) ? passers.pixels.at(x, y) : glm::u8vec4{0, 0, 0, 255};
+      for (int c = 0; c < 4; ++c) values[c][i] = static_cast<float>(of[c]) * kByte;
+    }
+    passer = {loaded<Floats>(values[0]), loaded<Floats>(values[1]), loaded<Floats>(values[2]),
+              loaded<Floats>(values[3])};
+  };
+  mix_all(text, in, first, mixed, begin_row, begin);
 }
 
 }  // namespace
@@ -331,87 +485,14 @@ ResponseTables::ResponseTables(const ResponseCurve& given) {
     }
 }
 
-namespace {
-
-template <class Text>
-void mix_all(Text& text, const EdgeInputs& in, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
-             Image<glm::u8vec4>& mixed) {
-  const int width = in.camera.width, height = in.camera.height;
-  text.camera_planes = &in.camera;
-  text.camera_matrix = yuv_to_rgb(in.camera.encoding);
-  text.response_of_camera = &in.response;
-  text.saturation = static_cast<float>(in.measured.saturation);
-  text.noise_shot = three(in.noise.shot);
-  text.noise_read2 = three(in.noise.read * in.noise.read);
-  const glm::ivec2 noise_first = noise_start(in.noise.pattern % kNoisePatterns);
-  text.dither_pattern.here = &text.steps;
-  text.noise_pattern.here = &text.numbers;
-  text.layer.here = &text.object;
-  const PixelBox& box = in.layer.box;
-  for (const PixelBox& part : rectangles)
-    for (int y = part.top; y < part.bottom; ++y) {
-      const AirlightRow airlight(in.measured, y);
-      for (int x = part.left; x < part.right; ++x) {
-        const glm::vec4& texel = in.layer.texels.at(x - box.left, y - box.top);
-        if (texel.a <= 0.0F) continue;
-        text.object = {texel.r, texel.g, texel.b, texel.a};
-        text.steps = dither_at(in.patterns.dither, x, y);
-        const glm::vec3 noise =
-            glm::vec3(repeated(*in.patterns.noise, x + noise_first.x, y + noise_first.y)) * (1.0F / 255.0F);
-        text.numbers = {vec3(noise.x, noise.y, noise.z), 1.0F};
-        text.v_picture = {(static_cast<float>(x) + 0.5F) / static_cast<float>(width),
-                          (static_cast<float>(y) + 0.5F) / static_cast<float>(height)};
-        text.v_airlight_root = sqrt(three(airlight.at(x) * in.layer.unit));
-        text.mix_pixel();
-        const vec4& seen = text.gl_FragColor;
-        if (seen.a <= 0.0F) continue;
-        const auto byte = [](float value) {
-          return static_cast<std::uint8_t>(static_cast<int>(255.0F * clamp(value, 0.0F, 1.0F) + 0.5F));
-        };
-        mixed.at(x - first.x, y - first.y) = {byte(seen.r), byte(seen.g), byte(seen.b),
-                                              std::max<std::uint8_t>(byte(seen.a), 1)};
-      }
-    }
-}
-
-}  // namespace
-
-void mix_edges(const EdgeInputs& in, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
-               Image<glm::u8vec4>& mixed) {
-  if (!in.foreground && !in.passers) {
+void mix_edges(const EdgeInputs& in, glm::ivec2 first, Image<glm::u8vec4>& mixed, MatteLight& kept) {
+  run_by_widest([&] {
+    if (in.pixels.is_left_open() || in.passers) return mix_open(in, first, mixed, kept);
     FreeText text;
-    return mix_all(text, in, rectangles, first, mixed);
-  }
-  OpenText text;
-  constexpr std::uint8_t kAll = 255;  // of a mask
-  const Image<std::uint8_t> free(1, 1, kAll);
-  text.foreground = in.foreground ? sampler(sampler2D::Texel::luminance_alpha, *in.foreground)
-                                  : sampler(sampler2D::Texel::luminance, free);
-  const Image<glm::u8vec4> nobody(1, 1, glm::u8vec4{0, 0, 0, kAll});
-  text.in_front = sampler(sampler2D::Texel::rgba, in.passers ? in.passers->pixels : nobody);
-  const glm::dvec2 size(in.camera.width, in.camera.height);
-  const glm::dvec2 passers_size(text.in_front.width, text.in_front.height);
-  const glm::dvec2 passers_first = in.passers ? glm::dvec2(in.passers->left, in.passers->top) : glm::dvec2(0.0);
-  text.in_front_place = four({size / passers_size, -passers_first / passers_size});
-  Image<glm::u8vec4> nodes(1, 1, glm::u8vec4{0});
-  text.pixel_step = two(1.0 / size);
-  text.matte_place = vec4(0.0F);
-  text.matte_last = text.matte_half = vec2(0.5F);
-  if (in.matte) {
-    text.camera_planes = &in.camera;
-    text.camera_matrix = yuv_to_rgb(in.camera.encoding);
     text.response_of_camera = &in.response;
-    nodes = nodes_of(*in.matte, text, in.patterns.dither);
-    const glm::dvec2 count{in.matte->columns, in.matte->rows}, cells = count * double(in.matte->cell_px);
-    text.matte_place = four({size / cells, -glm::dvec2(in.matte->corner_px) / cells});
-    text.matte_half = two(0.5 / count);
-    text.matte_last = two(1.0 - 0.5 / count);
-  }
-  text.matte_nodes = sampler(sampler2D::Texel::rgba, nodes);
-  text.matte_nodes.smooth = true;
-  LightSeen kept_light(in.layer.box);
-  text.kept_light = &kept_light;
-  mix_all(text, in, rectangles, first, mixed);
+    mix_all(
+        text, in, first, mixed, [](int) {}, [](const EightPixels&) {});
+  });
 }
 
 }  // namespace kasumi

@@ -5,11 +5,10 @@
 #include <vector>
 
 #include <glm/gtc/type_precision.hpp>
-#include <glm/vec4.hpp>
 
 #include "base/image.hpp"
 #include "base/picture.hpp"
-#include "gles/object/matte_nodes.hpp"
+#include "gles/object/mixed_pixels.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {
@@ -26,29 +25,25 @@ struct MixPatterns {
   const Image<glm::u8vec3>* noise;
 };
 
-// The object's layer as its texture holds it (layer.glsl).
-struct LayerTexels {
-  PixelBox box;
-  double unit = 1.0;
-  Image<glm::vec4> texels;
-};
-
-// All but the picture and the table stay between pictures.
 struct EdgeInputs {
   const PictureView& camera;
   const ResponseTables& response;
   const MixPatterns& patterns;
-  const LayerTexels& layer;
-  const Image<glm::u8vec2>* foreground;  // free share, confidence; null: none
-  const MatteNodes* matte;               // null: mixed as the mask says
-  const InFront* passers;                // null: none
+  const MixedPixels& pixels;
+  const InFront* passers;  // null: none; else all of the object is mixed
   const AirlightGrid& measured;
   const SensorNoise& noise;
 };
 
-// Of these rectangles, into an image whose first pixel is the picture's at `first`: where the object changes a pixel,
-// with its share in alpha, at least 1.
-void mix_edges(const EdgeInputs& inputs, const std::vector<PixelBox>& rectangles, glm::ivec2 first,
-               Image<glm::u8vec4>& mixed);
+// Memory that is used again for the next picture.
+struct MatteLight {
+  std::vector<float> light;  // red, green and blue of the band's plane, and eight before and after them
+  std::vector<float> nodes;  // four channels of what is behind, four of what is in front; as their texture holds them
+  std::vector<float> lines;  // the same in a row of pixels
+};
+
+// Into an image whose first pixel is the picture's at `first`: where the object changes a pixel, with its share in
+// alpha, at least 1.
+void mix_edges(const EdgeInputs& inputs, glm::ivec2 first, Image<glm::u8vec4>& mixed, MatteLight& kept);
 
 }  // namespace kasumi

@@ -18,7 +18,7 @@ constexpr int kSide = 8;  // of a block of samples
 
 static_assert(kSide == kLanes);
 using Row = Floats;
-using Whole = Words;
+using Whole = Integers;
 struct Block {
   Row rows[kSide];
 };

@@ -24,27 +24,10 @@ glm::ivec2 corner(const PixelBox& box) {
 
 ProcessorMix::ProcessorMix() : response_(ResponseCurve{}), patterns_{dither_texels(), &noise_texels()} {}
 
-void ProcessorMix::take_layer(LayerTexels layer, const Composite& composite) {
-  layer_ = std::move(layer);
-  edges_.clear();
-  const PixelBox& box = layer_.box;
-  Image<std::uint8_t> mixed(box.right - box.left, box.bottom - box.top, 0);
-  const auto set = [&](const std::vector<PixelBox>& rectangles, std::uint8_t value) {
-    for (const PixelBox& part : rectangles)
-      for (int y = part.top; y < part.bottom; ++y)
-        std::fill_n(mixed.row(y - box.top) + (part.left - box.left), part.right - part.left, value);
-  };
-  set(composite.rectangles(CutArea::edge), 1);
-  set(composite.fully_covered(), 0);
-  for (int y = 0; y < mixed.height(); ++y)
-    for (int x = 0; x < mixed.width(); ++x) {
-      if (mixed.at(x, y) == 0 || layer_.texels.at(x, y).a <= 0.0F) continue;
-      const int left = box.left + x, top = box.top + y;
-      if (!edges_.empty() && edges_.back().top == top && edges_.back().right == left)
-        ++edges_.back().right;
-      else
-        edges_.push_back({left, top, left + 1, top + 1});
-    }
+void ProcessorMix::take_layer(const LayerTexels& layer, const Composite& composite,
+                              const Image<glm::u8vec2>* foreground, bool matte) {
+  pixels_ = MixedPixels(layer, composite.rectangles(CutArea::edge), composite.fully_covered(), foreground,
+                        matte ? &nodes_ : nullptr);
 }
 
 const Image<glm::u8vec4>& ProcessorMix::background() {
@@ -54,28 +37,19 @@ const Image<glm::u8vec4>& ProcessorMix::background() {
 
 const Image<glm::u8vec4>& ProcessorMix::mix(const Parts& parts) {
   to_rgba(planes_.view(), picture_);
-  const EdgeInputs inputs{planes_.view(),
-                          response_,
-                          patterns_,
-                          layer_,
-                          parts.foreground,
-                          parts.matte ? &nodes_ : nullptr,
-                          parts.passers ? &passers_ : nullptr,
-                          parts.measured,
-                          parts.noise};
-  // With passers before it, all of the object is an edge.
-  const auto mixed = parts.passers ? parts.composite.changed() : edges_;
+  const EdgeInputs inputs{planes_.view(), response_,  patterns_, pixels_, parts.passers ? &passers_ : nullptr,
+                          parts.measured, parts.noise};
   if (!parts.processing.none()) {
-    mix_processed(parts, inputs, mixed);
+    mix_processed(parts, inputs);
     return picture_;
   }
-  mix_edges(inputs, mixed, {0, 0}, picture_);
+  mix_edges(inputs, {0, 0}, picture_, matte_light_);
   if (const auto* pixels = parts.covered.pixels)
     copy_pixels(parts.composite.fully_covered(), *pixels, corner(parts.composite.covered()), picture_, {0, 0});
   return picture_;
 }
 
-void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& mixed) {
+void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs) {
   const glm::ivec2 size{picture_.width(), picture_.height()};
   const ObjectFootprint object{parts.composite.changed(), parts.composite.fully_covered(), size};
   if (object.changed.empty()) return;
@@ -91,7 +65,7 @@ void ProcessorMix::mix_processed(const Parts& parts, const EdgeInputs& inputs, c
       std::transform(picture_.row(y) + box.left, picture_.row(y) + box.right,
                      composite_.row(y - first.y) + (box.left - first.x),
                      [](const glm::u8vec4& seen) { return glm::u8vec4(seen.x, seen.y, seen.z, 0); });
-  mix_edges(inputs, mixed, first, composite_);
+  mix_edges(inputs, first, composite_, matte_light_);
   if (const auto* pixels = parts.covered.pixels)
     copy_pixels(wanted.covered, *pixels, corner(parts.composite.covered()), composite_, first);
   processing_->apply(picture_, composite_);

@@ -24,9 +24,10 @@ class ProcessorMix {
 
   // What stays between pictures.
   void take_response(const ResponseCurve& response) { response_ = ResponseTables(response); }
-  void take_layer(LayerTexels layer, const Composite& composite);
-  const LayerTexels& layer() const { return layer_; }
   void take_matte(MatteNodes nodes) { nodes_ = std::move(nodes); }
+  // `foreground`: as MixedPixels has it; `matte`: the one taken counts.
+  void take_layer(const LayerTexels& layer, const Composite& composite, const Image<glm::u8vec2>* foreground,
+                  bool matte);
   // Each picture's own. Errors: bad_input (no pixels, planes too small).
   Result<> take_picture(const PictureView& picture) { return planes_.take(picture); }
   void drop_picture() { planes_.clear(); }
@@ -40,8 +41,7 @@ class ProcessorMix {
   struct Parts {
     const Composite& composite;
     const CoveredPixels& covered;
-    const Image<glm::u8vec2>* foreground;  // as EdgeInputs has it
-    bool matte, passers;                   // those taken count
+    bool passers;  // those taken count
     ProcessingSteps processing;
     const AirlightGrid& measured;
     const SensorNoise& noise;
@@ -52,15 +52,15 @@ class ProcessorMix {
   Result<CameraTextures> upload(const Image<glm::u8vec4>& picture, const GlInfo& info);
 
  private:
-  void mix_processed(const Parts& parts, const EdgeInputs& inputs, const std::vector<PixelBox>& mixed);
+  void mix_processed(const Parts& parts, const EdgeInputs& inputs);
 
   KeptPlanes planes_;
   Image<glm::u8vec4> picture_, composite_;
   ResponseTables response_;
   MixPatterns patterns_;
-  LayerTexels layer_;
-  std::vector<PixelBox> edges_;  // the pixels that the layer covers in part, a rectangle for each run of a row
   MatteNodes nodes_;
+  MixedPixels pixels_;
+  MatteLight matte_light_;
   InFront passers_;
   std::optional<MixedProcessing> processing_;
   PlaneUpload shown_;

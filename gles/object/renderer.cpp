@@ -269,9 +269,10 @@ Result<Image<glm::vec4>> Renderer::read_layer() {
 std::optional<KeptLayer> Renderer::layer_to_keep() const {
   const State& s = *state_;
   if (!s.layer || !s.mix || s.layer_in_8_bits()) return std::nullopt;
-  const auto& texels = s.mix->layer().texels;
-  KeptLayer kept{s.box, s.detail, Image<glm::u16vec4>(texels.width(), texels.height())};
-  std::ranges::transform(texels.elements(), kept.halves.elements().begin(),
+  const auto texels = s.layer->read_texels();
+  if (!texels) return std::nullopt;
+  KeptLayer kept{s.box, s.detail, Image<glm::u16vec4>(texels->width(), texels->height())};
+  std::ranges::transform(texels->elements(), kept.halves.elements().begin(),
                          [](const glm::vec4& texel) { return glm::packHalf(texel); });
   return kept;
 }

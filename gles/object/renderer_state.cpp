@@ -131,9 +131,7 @@ Result<const Image<glm::u8vec4>*> Renderer::State::mixed(const AirlightGrid* mea
   if (!layer || !measured) return &mix->background();
   const auto covered = composite.covered_pixels(programs, frame(), *layer, *measured, noise, info);
   if (!covered) return fail(covered.error());
-  const bool open = composite.is_left_open();
-  return &mix->mix({composite, *covered, open ? &foreground->texels() : nullptr, open && matte.has_value(),
-                    !passers.empty(), wanted_processing(), *measured, noise});
+  return &mix->mix({composite, *covered, !passers.empty(), wanted_processing(), *measured, noise});
 }
 
 Result<> Renderer::State::show(const Image<glm::u8vec4>& picture, const DrawTarget& target) {
@@ -227,13 +225,15 @@ Result<> Renderer::State::take_layer(ObjectLayer made, const ObjectDetail& with)
   const auto texels = made.read();
   if (!texels) return fail(texels.error());
   composite.take(made, projection->view, *texels, foreground ? &*foreground : nullptr);
+  if (processing) processing->forget();
+  if (auto found = find_matte(); !found) return found;
   if (mix) {
     auto stored = made.read_texels();
     if (!stored) return fail(stored.error());
-    mix->take_layer({made.box(), made.unit(), std::move(*stored)}, composite);
+    const bool open = composite.is_left_open();
+    mix->take_layer({made.box(), made.unit(), std::move(*stored)}, composite, open ? &foreground->texels() : nullptr,
+                    open && matte.has_value());
   }
-  if (processing) processing->forget();
-  if (auto found = find_matte(); !found) return found;
   detail = with;
   box = made.box();
   layer = std::move(made);

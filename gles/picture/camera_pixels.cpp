@@ -80,34 +80,19 @@ void convert(const PictureView& p, Image<glm::u8vec4>& pixels) {
       std::memcpy(&y, line.y.data() + x, sizeof y);
       std::memcpy(&u, line.u.data() + x, sizeof u);
       std::memcpy(&v, line.v.data() + x, sizeof v);
-      Words channels[3];
+      Integers channels[3];
       for (std::size_t c = 0; c < 3; ++c) {
         Floats sum = m.rows[c].x * y + m.rows[c].y * u + m.rows[c].z * v;
         sum = sum < 0.0F ? Floats{} : sum;
         sum = sum > 255.0F ? Floats{} + 255.0F : sum;
-        channels[c] = __builtin_convertvector(sum + 0.5F, Words);
+        channels[c] = __builtin_convertvector(sum + 0.5F, Integers);
       }
-      const Words whole = channels[0] | channels[1] << 8 | channels[2] << 16 | static_cast<std::int32_t>(0xff000000);
+      const Integers whole = channels[0] | channels[1] << 8 | channels[2] << 16 | static_cast<std::int32_t>(0xff000000);
       if (width - x >= kLanes)
         std::memcpy(to + x, &whole, sizeof whole);
       else
         std::memcpy(to + x, &whole, (width - x) * sizeof *to);
     }
-  }
-}
-
-// Of the layouts without chroma: bytes a pixel, and where red, green and blue lie.
-struct RgbBytes {
-  std::size_t step = 0, red = 0, green = 0, blue = 0;
-};
-RgbBytes rgb_bytes(PixelLayout layout) {
-  switch (layout) {
-    case PixelLayout::rgb8: return {3, 0, 1, 2};
-    case PixelLayout::bgr8: return {3, 2, 1, 0};
-    case PixelLayout::rgba8: return {4, 0, 1, 2};
-    case PixelLayout::bgra8: return {4, 2, 1, 0};
-    case PixelLayout::grey8: return {1, 0, 0, 0};
-    default: return {};
   }
 }
 
@@ -165,29 +150,6 @@ void to_rgba(const PictureView& picture, Image<glm::u8vec4>& pixels) {
     return;
   }
   run_by_widest([&] { convert(picture, pixels); });
-}
-
-glm::vec3 encoded_at(const PictureView& p, const YuvToRgb& matrix, int px, int py) {
-  const auto x = static_cast<std::size_t>(px), y = static_cast<std::size_t>(py);
-  const auto at = [&](std::size_t plane, std::size_t byte, std::size_t row) {
-    return static_cast<float>(p.planes[plane].data[row * p.planes[plane].stride + byte]) * (1.0F / 255.0F);
-  };
-  if (const RgbBytes rgb = rgb_bytes(p.layout); rgb.step > 0)
-    return {at(0, rgb.step * x + rgb.red, y), at(0, rgb.step * x + rgb.green, y), at(0, rgb.step * x + rgb.blue, y)};
-  glm::vec3 yuv;
-  switch (p.layout) {
-    case PixelLayout::yuyv: yuv = {at(0, 2 * x, y), at(0, x / 2 * 4 + 1, y), at(0, x / 2 * 4 + 3, y)}; break;
-    case PixelLayout::uyvy: yuv = {at(0, 2 * x + 1, y), at(0, x / 2 * 4, y), at(0, x / 2 * 4 + 2, y)}; break;
-    case PixelLayout::nv12: yuv = {at(0, x, y), at(1, x / 2 * 2, y / 2), at(1, x / 2 * 2 + 1, y / 2)}; break;
-    case PixelLayout::i420: yuv = {at(0, x, y), at(1, x / 2, y / 2), at(2, x / 2, y / 2)}; break;
-    case PixelLayout::i422: yuv = {at(0, x, y), at(1, x / 2, y), at(2, x / 2, y)}; break;
-    default: yuv = {at(0, x, y), at(1, x, y), at(2, x, y)}; break;
-  }
-  const glm::vec3 from = yuv - matrix.offset;
-  const auto value = [&](std::size_t c) {
-    return matrix.rows[c].x * from.x + matrix.rows[c].y * from.y + matrix.rows[c].z * from.z;
-  };
-  return {value(0), value(1), value(2)};
 }
 
 }  // namespace kasumi

@@ -3,12 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace kasumi {
 
 constexpr std::size_t kLanes = 8;
+constexpr int kEight = kLanes;
 using Floats = float __attribute__((vector_size(4 * kLanes)));
-using Words = std::int32_t __attribute__((vector_size(4 * kLanes)));
+using Integers = std::int32_t __attribute__((vector_size(4 * kLanes)));
+
+template <class Vector, class Number>
+[[gnu::always_inline]] inline Vector loaded(const Number* from) {
+  Vector made;
+  std::memcpy(&made, from, sizeof made);
+  return made;
+}
 
 // Runs `work`, by AVX2 where the processor has it: all that it calls and that is defined in its file is compiled for
 // both. The numbers are the same, since AVX2 alone fuses no products with sums.

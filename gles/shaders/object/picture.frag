@@ -77,9 +77,10 @@ void main() {
 #endif
 #if defined(IN_FRONT)
   vec4 passer = texture2D(in_front, v_picture * in_front_place.xy + in_front_place.zw);
-  if (passer.a < 1.0) {
+  bool is_hidden = passer.a < 1.0;
+  if (ANY(is_hidden)) {
     open_share *= passer.a;
-    open_behind = open_share * light_of(passer.rgb);
+    open_behind = EITHER(is_hidden, open_share * light_of(passer.rgb), open_behind);
   }
 #endif
   own *= open_share;
@@ -102,7 +103,7 @@ void main() {
 #if defined(PLANE)
   gl_FragColor = changes ? for_plane(behind, shown, own, coverage) : vec4(0.0);
 #elif defined(COVERAGE)
-  gl_FragColor = vec4(changes ? shown : behind, changes ? max(coverage, 1.0 / 255.0) : 0.0);
+  gl_FragColor = vec4(EITHER(changes, shown, behind), EITHER(changes, max(coverage, 1.0 / 255.0), 0.0));
 #else
   gl_FragColor = vec4(changes ? shown : behind, 1.0);
 #endif

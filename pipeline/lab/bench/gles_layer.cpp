@@ -53,13 +53,18 @@ Result<std::vector<BenchRow>> bench_layer() {
     if (!*renderer) return fail(renderer->error());
   auto by_processor = showing(**context, scene, scene.facade,
                               {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2}, Mixing::processor);
-  if (!by_processor) return fail(by_processor.error());
+  auto processed_by_processor =
+      showing(**context, scene, scene.facade,
+              {.point_spread_px = 1.0, .chroma_columns = 2, .chroma_rows = 2, .sharpening = 0.8, .jpeg_blocks = true},
+              Mixing::processor);
+  for (const auto* renderer : {&by_processor, &processed_by_processor})
+    if (!*renderer) return fail(renderer->error());
   Image<Rgb8> seen(scene.view.width, scene.view.height);
   std::ranges::transform(scene.frame.pixels.elements(), seen.elements().begin(),
                          [](const glm::u8vec4& pixel) { return Rgb8(pixel); });
   const auto jpeg = encode_jpeg(seen, 85, ChromaSubsampling::s420);
   if (!jpeg) return fail(jpeg.error());
-  for (auto* renderer : {&decoded, &processed, &by_processor})
+  for (auto* renderer : {&decoded, &processed, &by_processor, &processed_by_processor})
     if (auto loaded = (*renderer)->upload(scene.frame.i420(), steps_of_jpeg()); !loaded) return fail(loaded.error());
   const GlTexture picture =
       make_picture_texture(scene.view.width, scene.view.height, scene.frame.pixels.elements().data());
@@ -108,6 +113,14 @@ Result<std::vector<BenchRow>> bench_layer() {
             return by_processor->draw(scene.measured, target);
           },
           mixed, kFramePairs));
+  const auto mixed_by = [&](Renderer& renderer) {
+    return [&]() -> Result<> {
+      const auto made = renderer.mix(scene.measured);
+      return made ? Result<>{} : fail(made.error());
+    };
+  };
+  add("  mixed by the processor, sharpened and rounded as its camera's JPEG / without",
+      watch.ratio(mixed_by(*processed_by_processor), mixed_by(*by_processor), kFramePairs), 1.15);
   add(fmt::format("cached composite of {:.2f} M triangles / of {:.3f} M",
                   1e-6 * static_cast<double>(large.triangle_count()),
                   1e-6 * static_cast<double>(scene.facade.triangle_count())),
