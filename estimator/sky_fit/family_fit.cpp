@@ -20,6 +20,7 @@ constexpr double kMiddleShare = 0.5, kSigmaShare = 0.5;
 // deviation that the doubts took.
 constexpr double kDoubtfulShare = 0.07;
 constexpr double kGain = 5e-3;  // of the sum of squares, some hundred: steps that gain less are the last
+constexpr double kNothing = 0.1 * kGain;  // of the same: a step of which no more is expected is not tried
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;
 
 FamilyPoint moved(const FamilyPoint& amount, const Eigen::Vector3d& step) {
@@ -56,8 +57,8 @@ Eigen::MatrixXd WhitenedFamily::whitened(const std::array<Eigen::MatrixXd, 3>& c
   return rows;
 }
 
-void WhitenedFamily::doubt_at(const FamilyPoint& amount) {
-  if (doubts_.cols() > 0) brighter_ground_ = doubt_squares_.solve(doubts_.transpose() * left_at(amount))[0];
+void WhitenedFamily::doubt_at(const FamilyPoint& amount, const Eigen::VectorXd& left) {
+  if (doubts_.cols() > 0) brighter_ground_ = doubt_squares_.solve(doubts_.transpose() * left)[0];
   doubts_ = whitened(family_.doubts(tables_, amount, patches_, brighter_ground_));
   doubt_squares_.compute(doubts_.transpose() * doubts_ +
                          counted_ * Eigen::MatrixXd::Identity(doubts_.cols(), doubts_.cols()));
@@ -68,19 +69,19 @@ Eigen::VectorXd WhitenedFamily::left_at(const FamilyPoint& amount) const {
   return measured_ - whitened({light[0], light[1], light[2]});
 }
 
-double WhitenedFamily::sum_at(const FamilyPoint& amount) const {
-  const Eigen::VectorXd left = left_at(amount);
+double WhitenedFamily::sum_of(const Eigen::VectorXd& left) const {
   if (doubts_.cols() == 0) return left.squaredNorm();
   const Eigen::VectorXd along = doubts_.transpose() * left;
   return left.squaredNorm() - along.dot(doubt_squares_.solve(along));
 }
 
-WhitenedFamily::Squares WhitenedFamily::squares_at(const FamilyPoint& amount) const {
+WhitenedFamily::Squares WhitenedFamily::squares_at(const FamilyPoint& amount, const Eigen::VectorXd& left) const {
   Squares squares;
-  const Eigen::VectorXd left = left_at(amount);
-  Eigen::MatrixXd slopes = whitened(family_.slopes(tables_, amount));
-  for (int u = 0; u < kSkyUnknowns; ++u)
-    if (!is_free(u)) slopes.col(u).setZero();
+  auto by_channel = family_.slopes(tables_, amount);
+  for (auto& channel : by_channel)
+    for (int u = 0; u < kSkyUnknowns; ++u)
+      if (!is_free(u)) channel.col(u).setZero();
+  const Eigen::MatrixXd slopes = whitened(by_channel);
   squares.left = left;
   squares.freed = slopes;
   if (doubts_.cols() > 0) {
@@ -198,9 +199,17 @@ void WhitenedFamily::hold(const GivenAir& known) {
 WhitenedFamily::Look WhitenedFamily::look(const GivenAir& known, std::span<const FamilyPoint> places) {
   hold(known);
   Look best{{}, std::numeric_limits<double>::infinity()};
-  for (const FamilyPoint& place : places) {
-    const FamilyPoint amount = kept(place);
-    const double sum = sum_at(amount) + prior(amount);
+  std::array<Eigen::MatrixXd, 3> light;
+  for (auto& channel : light)
+    channel.resize(static_cast<Eigen::Index>(patches_.size()), static_cast<Eigen::Index>(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto there = family_.log_light(tables_, kept(places[i]));
+    for (std::size_t c = 0; c < 3; ++c) light[c].col(static_cast<Eigen::Index>(i)) = there[c];
+  }
+  const Eigen::MatrixXd left = (-whitened(light)).colwise() + measured_;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const FamilyPoint amount = kept(places[i]);
+    const double sum = sum_of(left.col(static_cast<Eigen::Index>(i))) + prior(amount);
     if (sum < best.sum) best = {amount, sum};
   }
   return best;
@@ -230,34 +239,39 @@ FamilyFit WhitenedFamily::fitted_again(const GivenAir& known, const FamilyFit& b
 FamilyFit WhitenedFamily::settled(const FamilyPoint& from, int layouts) {
   FamilyFit fit;
   fit.best = from;
+  Eigen::VectorXd left = left_at(from);
+  Squares here;
   double least = 0.0;
   OfUnknowns curvature;
   constexpr int kTurns = 4;  // of Gauss and Newton between two layouts of the doubts
-  bool better = false;
+  bool moved_on = false, better = false;
   for (int turn = 0; turn < layouts * kTurns; ++turn) {
     if (turn % kTurns == 0) {
-      doubt_at(fit.best);
-      least = sum_at(fit.best) + prior(fit.best);
+      doubt_at(fit.best, left);
+      least = sum_of(left) + prior(fit.best);
     } else if (!better) {
       continue;
     }
-    const Squares here = squares_at(fit.best);
+    here = squares_at(fit.best, left);
     curvature = here.curvature;
     curvature += stiffness().asDiagonal();
     const Unknowns slope = here.slope + prior_slope(fit.best);
     const Unknowns step = -(curvature + 1e-9 * OfUnknowns::Identity()).inverse() * slope;
-    double share = 1.0;
-    better = false;
-    for (; share > 0.05 && !better; share *= 0.4) {
+    moved_on = better = false;
+    if (-slope.dot(step) < kNothing) continue;  // what the whole step would gain
+    for (double share = 1.0; share > 0.05 && !better; share *= 0.4) {
       const FamilyPoint next = kept(moved(fit.best, share * step));
-      const double sum = sum_at(next) + prior(next);
+      Eigen::VectorXd left_there = left_at(next);
+      const double sum = sum_of(left_there) + prior(next);
       if (sum >= least) continue;
       better = least - sum > kGain;
       least = sum;
       fit.best = next;
+      left = std::move(left_there);
+      moved_on = true;
     }
   }
-  const Squares here = squares_at(fit.best);
+  if (moved_on) here = squares_at(fit.best, left);
   const auto n = here.left.size() / unexplained_.parts();
   for (int p = 0; p < unexplained_.parts(); ++p)
     fit.part_squares[static_cast<std::size_t>(p)] = here.left.segment(p * n, n).squaredNorm();

@@ -51,10 +51,10 @@ class WhitenedFamily {
   };
   Eigen::MatrixXd whitened(const std::array<Eigen::MatrixXd, 3>& channels) const;
   Eigen::VectorXd left_at(const FamilyPoint& amount) const;
-  double sum_at(const FamilyPoint& amount) const;
-  Squares squares_at(const FamilyPoint& amount) const;
+  double sum_of(const Eigen::VectorXd& left) const;
+  Squares squares_at(const FamilyPoint& amount, const Eigen::VectorXd& left) const;
   OfUnknowns slope_covariance(const Squares& squares) const;  // under the assumed error model
-  void doubt_at(const FamilyPoint& amount);
+  void doubt_at(const FamilyPoint& amount, const Eigen::VectorXd& left);
   void hold(const GivenAir& known);
   FamilyFit settled(const FamilyPoint& from, int layouts);
   void integrate(FamilyFit& fit, const OfUnknowns& width) const;

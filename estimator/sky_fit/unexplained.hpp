@@ -45,9 +45,15 @@ class Unexplained {
   // trusts in their smoothness leans on the finest differences between patches, which no model has right.
   template <class Columns>
   void whiten(int part, Columns& columns) const {
-    // One by one: for a few columns Eigen spends more on laying out the factor than on solving.
+    // One by one, where they are few: Eigen then spends more on laying out the factor than on solving.
+    constexpr Eigen::Index kFew = 8;
+    if (columns.cols() > kFew) {
+      factors_[static_cast<std::size_t>(part)].matrixL().solveInPlace(columns);
+      return;
+    }
     for (Eigen::Index k = 0; k < columns.cols(); ++k) {
       auto column = columns.col(k);
+      if (column.isZero(0.0)) continue;  // of what is held
       factors_[static_cast<std::size_t>(part)].matrixL().solveInPlace(column);
     }
   }
