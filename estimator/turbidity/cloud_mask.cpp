@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <glm/geometric.hpp>
@@ -12,6 +13,7 @@
 
 #include "base/statistics.hpp"
 #include "estimator/given_air.hpp"
+#include "estimator/nth_smallest.hpp"
 #include "estimator/turbidity/element_maps.hpp"
 
 namespace kasumi {
@@ -40,10 +42,7 @@ struct ColourConsensus {
   double score = -std::numeric_limits<double>::infinity();
 };
 
-struct ColourSample {
-  Direction view;
-  float colour, luminance;
-};
+using ColourSample = CloudMasks::ColourSample;
 
 // The fullest cell of a coarse plane of (colour, luminance) residuals; cells overlap by half.
 ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity turbidity, const SiteSky& model,
@@ -98,17 +97,21 @@ ColourConsensus fullest_cell(const std::vector<ColourSample>& samples, Turbidity
   return best;
 }
 
-template <class ModelAt>
-ColourConsensus agree_on_colour(const ElementLight& sky, const ElementGeometry& geometry, const ModelAt& model_at,
-                                const glm::dmat3& xyz_to_light) {
+std::vector<ColourSample> colour_samples(const ElementLight& sky, const ElementGeometry& geometry) {
   constexpr int kColourSamples = 500;  // the fullest cell's share within some 2 %
-  // Even in what the sky's colour changes by, dense where it changes fast.
-  constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
   std::mt19937_64 random(2017);
   std::vector<ColourSample> samples;
   for (const glm::ivec2& e : draw_elements(sky, geometry, kColourSamples, random))
     samples.push_back({Direction(geometry.direction.at(e.x, e.y)), colour_of(sky.light.at(e.x, e.y)),
                        sky.log_luminance.at(e.x, e.y)});
+  return samples;
+}
+
+template <class ModelAt>
+ColourConsensus agree_on_colour(const std::vector<ColourSample>& samples, const ModelAt& model_at,
+                                const glm::dmat3& xyz_to_light) {
+  // Even in what the sky's colour changes by, dense where it changes fast.
+  constexpr std::array kTurbidities{1.8, 2.0, 2.3, 2.7, 3.3, 4.2, 5.5, 7.5, 10.0, 14.0};
   ColourConsensus best;
   for (const double t : kTurbidities) {
     const ColourConsensus here = fullest_cell(samples, Turbidity{t}, model_at(Turbidity{t}), xyz_to_light);
@@ -148,69 +151,122 @@ class Interpolated {
   Image<float> nodes_;
 };
 
-// Classifies marked elements and their margin as cloud. Returns the share of the clear solid angle that was not marked; the margin counts as clear.
-double mark_clouds(ElementLight& sky, const ElementGeometry& geometry, cv::Mat1b& marked) {
+// ln R/B of the clear sky that most of the picture agrees with, as this camera would have it.
+class ExpectedColour {
+ public:
+  ExpectedColour(const std::vector<ColourSample>& samples, const ElementGeometry& geometry, const SunDirection& sun,
+                 const ModelToFit& fitted)
+      : xyz_to_light_(glm::inverse(geometry.light_to_xyz)),
+        consensus_(agree_on_colour(
+            samples, [&](Turbidity t) { return model_at(t, sun, fitted); }, xyz_to_light_)),
+        model_(model_at(consensus_.turbidity, sun, fitted)),
+        expected_(geometry, [this](const Direction& view) { return expected_at(model_, xyz_to_light_, view).colour; }) {
+  }
+  float at(int x, int y) const { return expected_.at(x, y) + consensus_.white_balance; }
+  Turbidity turbidity() const { return consensus_.turbidity; }
+
+ private:
+  static SiteSky model_at(Turbidity t, const SunDirection& sun, const ModelToFit& fitted) {
+    return SiteSky(fitted.model, air_of(t, fitted.aerosol), sun, fitted.altitude_m);
+  }
+  glm::dmat3 xyz_to_light_;
+  ColourConsensus consensus_;
+  SiteSky model_;
+  Interpolated<std::function<float(const Direction&)>> expected_;
+};
+
+// Classifies marked elements and their margin as cloud. Returns the share of the clear solid angle that was not marked;
+// the margin counts as clear.
+double mark_clouds(Image<PixelUse>& use, const ElementGeometry& geometry, cv::Mat1b& marked) {
   const cv::Mat1b grown = grown_over_soft_edges(marked);
   double clear = 0.0, all = 0.0;
   for (int y = 0; y < marked.rows; ++y)
     for (int x = 0; x < marked.cols; ++x) {
-      if (sky.use.at(x, y) != PixelUse::clear) continue;
+      if (use.at(x, y) != PixelUse::clear) continue;
       const auto angle = static_cast<double>(geometry.solid_angle.at(x, y));
       all += angle;
       if (marked(y, x) == 0) clear += angle;
-      if (grown(y, x) != 0) sky.use.at(x, y) = PixelUse::cloud;
+      if (grown(y, x) != 0) use.at(x, y) = PixelUse::cloud;
     }
   return all > 0.0 ? clear / all : 0.0;
+}
+
+// From the texture of the clear sky's smoother half.
+float texture_limit(const cv::Mat1f& texture, const cv::Mat1f& counts, const CloudMaskLimits& options) {
+  std::vector<float> unevenness;
+  for (int y = 0; y < counts.rows; ++y)
+    for (int x = 0; x < counts.cols; ++x)
+      if (counts(y, x) != 0.0f) unevenness.push_back(texture(y, x));
+  return static_cast<float>(std::max(
+      options.least_texture, options.texture_scatter * static_cast<double>(counted_quantile(unevenness, 0.25))));
+}
+
+// Marks what is more textured, or whiter than the clear sky's own scatter: the width of the bluer half of its colours.
+double mark_by(Image<PixelUse>& use, const ElementGeometry& geometry, const cv::Mat1f& counts, const cv::Mat1f& colour,
+               const cv::Mat1f& texture, float most_texture, const CloudMaskLimits& options) {
+  std::vector<float> bluer;
+  for (int y = 0; y < counts.rows; ++y)
+    for (int x = 0; x < counts.cols; ++x)
+      if (counts(y, x) != 0.0f && colour(y, x) < 0.0f) bluer.push_back(-colour(y, x));
+  const auto colour_limit =
+      static_cast<float>(std::max(options.least_colour, options.colour_scatter * kSigmaOverMedianSize *
+                                                            static_cast<double>(counted_quantile(bluer, 0.5))));
+  cv::Mat1b cloud(counts.size(), std::uint8_t{0});
+  for (int y = 0; y < counts.rows; ++y)
+    for (int x = 0; x < counts.cols; ++x)
+      if (counts(y, x) != 0.0f && (colour(y, x) > colour_limit || texture(y, x) > most_texture)) cloud(y, x) = 1;
+  return mark_clouds(use, geometry, cloud);
 }
 
 }  // namespace
 
 CloudMaskResult mask_clouds(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun,
                             const CloudMaskLimits& options, const ModelToFit& fitted) {
-  const int width = sky.use.width(), height = sky.use.height();
-  const glm::dmat3 xyz_to_light = glm::inverse(geometry.light_to_xyz);
-  const auto model_at = [&](Turbidity t) {
-    return SiteSky(fitted.model, air_of(t, fitted.aerosol), sun, fitted.altitude_m);
-  };
-  const ColourConsensus consensus = agree_on_colour(sky, geometry, model_at, xyz_to_light);
-  const SiteSky model = model_at(consensus.turbidity);
-
+  const ExpectedColour expected(colour_samples(sky, geometry), geometry, sun, fitted);
   // Compares every element with the clear sky expected there.
-  const Interpolated expected(geometry,
-                              [&](const Direction& view) { return expected_at(model, xyz_to_light, view).colour; });
-  cv::Mat1f counts(height, width, 0.0f), colour(height, width, 0.0f), luminance(height, width, 0.0f);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+  const cv::Mat1f none(sky.use.height(), sky.use.width(), 0.0f);
+  cv::Mat1f counts = none.clone(), colour = none.clone(), luminance = none.clone();
+  for (int y = 0; y < none.rows; ++y)
+    for (int x = 0; x < none.cols; ++x) {
       if (sky.use.at(x, y) != PixelUse::clear) continue;
-      const float whiter = colour_of(sky.light.at(x, y)) - expected.at(x, y) - consensus.white_balance;
+      const float whiter = colour_of(sky.light.at(x, y)) - expected.at(x, y);
       if (!std::isfinite(whiter)) continue;
       counts(y, x) = 1.0f;
       colour(y, x) = whiter;
       luminance(y, x) = sky.log_luminance.at(x, y);
     }
-  const cv::Mat1f smooth_colour = mean_over(colour, counts, 3);
   const cv::Mat1f texture = texture_of(luminance, counts);
+  const double clear = mark_by(sky.use, geometry, counts, mean_over(colour, counts, 3), texture,
+                               texture_limit(texture, counts, options), options);
+  return {clear, expected.turbidity()};
+}
 
-  // The clear sky's own scatter: the width of the bluer half of its colour distribution, and the texture of its
-  // smoother half.
-  std::vector<float> bluer, unevenness;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
+CloudMasks::CloudMasks(const ElementLight& sky, const ElementLooks& looks, const ElementGeometry& geometry,
+                       const SunDirection& sun, const CloudMaskLimits& options)
+    : unmarked_(sky.use),
+      looks_(looks),
+      geometry_(geometry),
+      sun_(sun),
+      options_(options),
+      samples_(colour_samples(sky, geometry)),
+      texture_limit_(texture_limit(looks.texture, looks.known, options)) {}
+
+Image<PixelUse> CloudMasks::by(const ModelToFit& fitted) const {
+  const ExpectedColour expected(samples_, geometry_, sun_, fitted);
+  cv::Mat1f counts = looks_.known.clone(), colour(looks_.known.size(), 0.0f);
+  for (int y = 0; y < counts.rows; ++y)
+    for (int x = 0; x < counts.cols; ++x) {
       if (counts(y, x) == 0.0f) continue;
-      if (smooth_colour(y, x) < 0.0f) bluer.push_back(-smooth_colour(y, x));
-      unevenness.push_back(texture(y, x));
+      const float by_model = expected.at(x, y);
+      if (std::isfinite(by_model))
+        colour(y, x) = by_model;
+      else
+        counts(y, x) = 0.0f;
     }
-  const auto colour_limit = static_cast<float>(std::max(
-      options.least_colour, options.colour_scatter * kSigmaOverMedianSize * static_cast<double>(quantile(bluer, 0.5))));
-  const auto texture_limit = static_cast<float>(
-      std::max(options.least_texture, options.texture_scatter * static_cast<double>(quantile(unevenness, 0.25))));
-
-  cv::Mat1b cloud(height, width, std::uint8_t{0});
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      if (counts(y, x) != 0.0f && (smooth_colour(y, x) > colour_limit || texture(y, x) > texture_limit))
-        cloud(y, x) = 1;
-  return {mark_clouds(sky, geometry, cloud), consensus.turbidity};
+  cv::subtract(looks_.colour, mean_over(colour, counts, 3), colour);
+  Image<PixelUse> use = unmarked_;
+  mark_by(use, geometry_, counts, colour, looks_.texture, texture_limit_, options_);
+  return use;
 }
 
 double mask_outliers(ElementLight& sky, const ElementGeometry& geometry, const SunDirection& sun, Turbidity turbidity,
@@ -231,7 +287,7 @@ double mask_outliers(ElementLight& sky, const ElementGeometry& geometry, const S
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       if (counts(y, x) != 0.0f && std::abs(smooth(y, x)) > static_cast<float>(limit)) outlier(y, x) = 1;
-  return mark_clouds(sky, geometry, outlier);
+  return mark_clouds(sky.use, geometry, outlier);
 }
 
 }  // namespace kasumi

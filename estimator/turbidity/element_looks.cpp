@@ -62,8 +62,9 @@ ElementLooks looks_of(const SkyPicture& picture, const Camera& camera, const Ele
   cv::boxFilter(unseen, unseen, CV_32F, {5, 5}, {-1, -1}, false, cv::BORDER_CONSTANT);
   cv::compare(unseen, 5.5, looks.alone, cv::CMP_GT);
   looks.texture = texture_of(looks.luminance, looks.known);
-  looks.luminance = mean_over(looks.luminance, looks.known, 3);
-  looks.colour = mean_over(looks.colour, looks.known, 3);
+  const MeansOver means(looks.known, 3);
+  looks.luminance = means.of(looks.luminance);
+  looks.colour = means.of(looks.colour);
   return looks;
 }
 

@@ -5,7 +5,16 @@
 
 namespace kasumi {
 
-// Mean over a square window of the elements that count; zero where there are none.
+// Means over a square window of the elements that count (1, else 0); zero where there are none.
+class MeansOver {
+ public:
+  MeansOver(const cv::Mat1f& counts, int side);
+  cv::Mat1f of(const cv::Mat1f& values) const;
+
+ private:
+  cv::Mat1f counts_, number_;
+  int side_;
+};
 cv::Mat1f mean_over(const cv::Mat1f& values, const cv::Mat1f& counts, int side);
 
 // Texture: how far ln Y is from the mean of its neighbours, averaged over a patch. Smooth gradients cancel.

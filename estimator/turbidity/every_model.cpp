@@ -41,15 +41,16 @@ ClearAir find_clear_air(ElementLight& sky, const ElementLooks& looks, const Elem
     return {DaylightModel::dome, altitude_m, Aerosol{0.0, natural_exponent(kind), kind}};
   };
   ClearAir best;
-  ElementLight marked = sky;
+  const Image<PixelUse> unmarked = sky.use;
+  const CloudMasks masks(sky, looks, geometry, sun, options.clouds);
+  Image<PixelUse> marked = sky.use;
   for (const ModelToFit& model : {ModelToFit{}, dome_of(AerosolKind::continental), dome_of(AerosolKind::dust)}) {
-    ElementLight begin = sky, tried = sky;
-    mask_clouds(begin, geometry, sun, options.clouds, model);
-    const ClearAir air = mask_all_but_clear_air(tried, looks, geometry, begin.use, sun);
-    if (air.found && (!best.found || air.agreement > best.agreement)) best = air, marked = std::move(tried);
+    sky.use = unmarked;
+    const ClearAir air = mask_all_but_clear_air(sky, looks, geometry, masks.by(model), sun);
+    if (air.found && (!best.found || air.agreement > best.agreement)) best = air, marked = sky.use;
     if (best.agreement > kAgree) break;
   }
-  sky = std::move(marked);
+  sky.use = std::move(marked);
   return best;
 }
 
@@ -224,8 +225,9 @@ std::optional<Refusal> observe_by_every_model(TurbidityObservation& observation,
   }
   SampleLimits nearer = options.limits;
   nearer.least_sun_distance = std::min(nearer.least_sun_distance, kNearestToSun);
-  VerdictEvidence evidence = ask_every_model(observation, sky_light(picture, geometry, sun, nearer), statistics,
-                                             picture, geometry, camera, options);
+  read_nearer(sky, picture, geometry, sun, nearer);
+  VerdictEvidence evidence =
+      ask_every_model(observation, std::move(sky), statistics, picture, geometry, camera, options);
   evidence.look = look;
   double& clear_fraction = observation.estimate.clear_fraction;
   if (look.places >= kFewestPlaces) clear_fraction = std::min(clear_fraction, look.smooth);

@@ -39,6 +39,47 @@ class LightTable {
   const glm::vec3* table_;
 };
 
+// What of an element of open sky, high enough, is to be used, and its light.
+class ElementReader {
+ public:
+  ElementReader(const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
+                const SampleLimits& limits)
+      : picture_(picture),
+        geometry_(geometry),
+        table_(geometry.light_of_level),
+        luminance_{geometry.light_to_xyz[0].y, geometry.light_to_xyz[1].y, geometry.light_to_xyz[2].y},
+        towards_sun_(sun),
+        near_sun_(static_cast<float>(std::cos(limits.least_sun_distance.value))),
+        saturated_(static_cast<float>(limits.saturated)),
+        dark_(static_cast<float>(limits.dark_quanta * picture.quantum)) {}
+
+  // Its luminance where it is clear, else 0.
+  float read(int x, int y, PixelUse& use, glm::vec3& light) const {
+    const glm::vec3& encoded = picture_.encoded.at(x, y);
+    if (glm::dot(geometry_.direction.at(x, y), towards_sun_) > near_sun_) {
+      use = PixelUse::near_sun;
+    } else if (std::max({encoded.r, encoded.g, encoded.b}) >= saturated_) {
+      use = PixelUse::saturated;
+    } else if (!(encoded.r > dark_ && encoded.g > dark_ && encoded.b > dark_)) {  // also excludes NaN
+      use = PixelUse::dark;
+    } else {
+      const glm::vec3 seen = table_.at(encoded) * geometry_.gain.at(x, y);
+      const float y_light = glm::dot(luminance_, seen);
+      use = y_light > 0.0f ? PixelUse::clear : PixelUse::dark;
+      if (use == PixelUse::clear) light = seen;
+      return use == PixelUse::clear ? y_light : 0.0f;
+    }
+    return 0.0f;
+  }
+
+ private:
+  const SkyPicture& picture_;
+  const ElementGeometry& geometry_;
+  LightTable table_;
+  glm::vec3 luminance_, towards_sun_;
+  float near_sun_, saturated_, dark_;
+};
+
 // In which of the sky's patches a direction lies.
 std::uint8_t patch_of(const glm::vec3& direction) {
   constexpr int kRings = ElementGeometry::kRings, kSectors = ElementGeometry::kSectors;  // short for these
@@ -112,43 +153,32 @@ ElementGeometry sky_geometry(const Camera& camera, const SkyPicture& picture) {
 ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
                        const SampleLimits& limits) {
   const int width = picture.encoded.width(), height = picture.encoded.height();
-  const LightTable table(geometry.light_of_level);
-  const glm::dmat3& to_xyz = geometry.light_to_xyz;
-  const glm::vec3 luminance{to_xyz[0].y, to_xyz[1].y, to_xyz[2].y};
-  const glm::vec3 towards_sun(sun);
-  const auto near_sun = static_cast<float>(std::cos(limits.least_sun_distance.value));
+  const ElementReader reader(picture, geometry, sun, limits);
   const auto lowest = static_cast<float>(std::cos(limits.largest_zenith.value));
-  const auto saturated = static_cast<float>(limits.saturated);
-  const auto dark = static_cast<float>(limits.dark_quanta * picture.quantum);
-
   ElementLight sky{Image<PixelUse>(width, height, PixelUse::outside), Image<glm::vec3>(width, height),
                    Image<float>(width, height)};
   for (int y = 0; y < height; ++y) {
     const glm::vec3* directions = geometry.direction.row(y);
     const std::uint8_t* open = geometry.open.row(y);
     float* log_luminance = sky.log_luminance.row(y);
-    for (int x = 0; x < width; ++x) {
-      if (open[x] == 0 || directions[x].z < lowest) continue;
-      const glm::vec3& encoded = picture.encoded.at(x, y);
-      PixelUse& use = sky.use.at(x, y);
-      if (glm::dot(directions[x], towards_sun) > near_sun) {
-        use = PixelUse::near_sun;
-      } else if (std::max({encoded.r, encoded.g, encoded.b}) >= saturated) {
-        use = PixelUse::saturated;
-      } else if (!(encoded.r > dark && encoded.g > dark && encoded.b > dark)) {  // also excludes NaN
-        use = PixelUse::dark;
-      } else {
-        const glm::vec3 light = table.at(encoded) * geometry.gain.at(x, y);
-        const float y_light = glm::dot(luminance, light);
-        use = y_light > 0.0f ? PixelUse::clear : PixelUse::dark;
-        if (use != PixelUse::clear) continue;
-        sky.light.at(x, y) = light;
-        log_luminance[x] = y_light;
-      }
-    }
+    for (int x = 0; x < width; ++x)
+      if (open[x] != 0 && !(directions[x].z < lowest))
+        log_luminance[x] = reader.read(x, y, sky.use.at(x, y), sky.light.at(x, y));
     for (int x = 0; x < width; ++x) log_luminance[x] = log_luminance[x] > 0.0f ? fast_log(log_luminance[x]) : 0.0f;
   }
   return sky;
+}
+
+void read_nearer(ElementLight& sky, const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
+                 const SampleLimits& limits) {
+  const ElementReader reader(picture, geometry, sun, limits);
+  for (int y = 0; y < sky.use.height(); ++y)
+    for (int x = 0; x < sky.use.width(); ++x) {
+      PixelUse& use = sky.use.at(x, y);
+      if (use != PixelUse::near_sun) continue;
+      const float luminance = reader.read(x, y, use, sky.light.at(x, y));
+      if (luminance > 0.0f) sky.log_luminance.at(x, y) = fast_log(luminance);
+    }
 }
 
 std::vector<glm::ivec2> draw_elements(const ElementLight& sky, const ElementGeometry& geometry, int count,

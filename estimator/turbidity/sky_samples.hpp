@@ -60,6 +60,9 @@ struct ElementLight {
 };
 ElementLight sky_light(const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
                        const SampleLimits& limits);
+// The same with a smaller least distance from the sun, of `sky` with a larger one: only what was near the sun is read.
+void read_nearer(ElementLight& sky, const SkyPicture& picture, const ElementGeometry& geometry, const SunDirection& sun,
+                 const SampleLimits& limits);
 
 // `count` elements whose use is clear, drawn uniformly in solid angle, without repetition; all of them if there are
 // fewer.

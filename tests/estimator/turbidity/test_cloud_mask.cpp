@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "estimator/turbidity/cloud_mask.hpp"
@@ -45,6 +47,27 @@ TEST(CloudMask, KeepsAClearSkyWholeFromDeepBlueToWhitish) {
       EXPECT_GT(score.clear_kept, 0.97) << "T " << t << ", sun " << sun;
       EXPECT_GT(score.clear_fraction, 0.98) << "T " << t << ", sun " << sun;
     }
+}
+
+TEST(CloudMask, IsTheSameByLooksThatAreKnown) {
+  const Camera camera = test::upward_camera(300);
+  for (const double cover : {0.0, 0.3, 0.6}) {
+    const test::RenderedSky rendered =
+        test::render({.turbidity = 4.0, .cloud_cover = cover, .cloud_seed = 11u, .noise = 0.01}, camera);
+    const Image<Rgb8> image = rendered.to_8_bit();
+    const SkyPicture picture = *sky_picture(view_of(image), camera);
+    const ElementGeometry geometry = sky_geometry(camera, picture);
+    ElementLight sky = sky_light(picture, geometry, rendered.sun, {});
+    const ElementLooks looks = looks_of(picture, camera, sky);
+    const Image<PixelUse> by_looks = CloudMasks(sky, looks, geometry, rendered.sun, {}).by({});
+    mask_clouds(sky, geometry, rendered.sun);
+    int other = 0;
+    for (std::size_t i = 0; i < sky.use.elements().size(); ++i)
+      other += sky.use.elements()[i] != by_looks.elements()[i];
+    EXPECT_LT(other, 10) << "cover " << cover;  // of 90000: rounding at a limit
+    const auto clouds = std::ranges::count(by_looks.elements(), PixelUse::cloud);
+    EXPECT_EQ(clouds > 9000, cover > 0.0) << "cover " << cover;
+  }
 }
 
 TEST(CloudMask, KeepsAClearSkyOfANoisyCamera) {

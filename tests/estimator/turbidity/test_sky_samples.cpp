@@ -56,6 +56,18 @@ TEST(SkySamples, AreUniformInSolidAngle) {
   for (const int bin : bins) EXPECT_NEAR(bin, counted / 5.0, 4.5 * std::sqrt(counted / 5.0));
 }
 
+TEST(SkySamples, ReadNearerToTheSunAreAsIfReadAtOnce) {
+  Scene scene = scene_of({.turbidity = 3.0});
+  SampleLimits nearer = scene.limits;
+  nearer.least_sun_distance = from_degrees(3.0);
+  const ElementLight at_once = sky_light(scene.picture, scene.geometry, scene.sun, nearer);
+  EXPECT_NE(scene.sky.use.elements(), at_once.use.elements());
+  read_nearer(scene.sky, scene.picture, scene.geometry, scene.sun, nearer);
+  EXPECT_EQ(scene.sky.use.elements(), at_once.use.elements());
+  EXPECT_EQ(scene.sky.light.elements(), at_once.light.elements());
+  EXPECT_EQ(scene.sky.log_luminance.elements(), at_once.log_luminance.elements());
+}
+
 TEST(SkySamples, KeepClearOfSunHorizonSaturationAndMask) {
   Camera camera = test::upward_camera(300);
   camera.mask = Image<std::uint8_t>(300, 300, 255);
