@@ -274,7 +274,8 @@ cv::Mat1f whiteness(const PixelFeatures& sky, const ClearBlue& blue, const cv::M
       const float clear = factors[0] + factors[1] * mass + factors[2] * std::min(3.0f * mass, 1.0f) +
                           factors[3] * fast_exp(off * (-1.0f / 12.0f)) + factors[4] * fast_exp(off * (-1.0f / 35.0f));
       const float span = std::max(clear - cloud, least) + more;
-      here[x] = inside[x] ? 1.0f - (blueness[x] - cloud) / span : 0.0f;
+      const float white_here = 1.0f - (blueness[x] - cloud) / span;  // not under a condition: no vector waits for one
+      here[x] = inside[x] ? white_here : 0.0f;
     }
   }
   return white;

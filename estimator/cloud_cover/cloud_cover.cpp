@@ -119,7 +119,7 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
 }
 
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun,
-                       std::shared_ptr<const PixelDirections>& kept) {
+                       std::shared_ptr<const PixelDirections>& kept, int samples) {
   if (!kept || !kept->fits(picture)) kept = std::make_shared<const PixelDirections>(pixel_directions(picture, camera));
   const PixelFeatures sky = pixel_features(picture, *kept);
   const Levels levels = levels_of(sky);
@@ -134,7 +134,7 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const st
 
   const auto sun_place = sun ? sun : brightest_patch(sky, region);
   const cv::Mat1f sun_deg = sun_place ? sun_distance(sky, *sun_place) : cv::Mat1f();
-  const ClearBlue blue = fit_clear_blue(sky, region, sun_deg);
+  const ClearBlue blue = fit_clear_blue(sky, region, sun_deg, {.samples = samples});
   if (!blue.found) return no_fraction(CoverClass::unknown, "too little of the sky is neither white nor black");
   const cv::Mat1f white = whiteness(sky, blue, sun_deg);
   cv::Mat1b cloud((white > kCloudy) & region);

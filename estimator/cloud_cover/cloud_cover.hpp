@@ -37,9 +37,10 @@ CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera,
                        const std::optional<SunDirection>& sun = std::nullopt);
 
 // The same for many pictures of one camera: `kept` is filled at the first, and anew where a picture has another size.
+// `samples`: elements from which the sky's blue is learnt, at most.
 struct PixelDirections;
 CloudCover cloud_cover(const SkyPicture& picture, const Camera& camera, const std::optional<SunDirection>& sun,
-                       std::shared_ptr<const PixelDirections>& kept);
+                       std::shared_ptr<const PixelDirections>& kept, int samples = 1500);
 
 // 1 where an element shows clear air; as large as the picture's elements.
 Image<std::uint8_t> clear_air_of(const CloudCover& cover);

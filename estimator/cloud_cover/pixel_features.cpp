@@ -157,11 +157,11 @@ PixelFeatures pixel_features(const SkyPicture& picture, const PixelDirections& d
       greenness[x] = (2 * s[1] - s[0] - s[2]) / (s[0] + s[1] + s[2] + 0.06f);
     }
     for (int x = 0; x < width; ++x) {
-      if (!inside[x]) continue;
       const cv::Vec3f& v = rgb[x];
-      const cv::Vec3f share{v[0] / scale[0], v[1] / scale[1], v[2] / scale[2]};
-      clipped[x] = std::min({share[0], share[1], share[2]}) >= 0.97f ? 255 : 0;
-      partly[x] = std::max({share[0], share[1], share[2]}) >= 0.985f ? 255 : 0;
+      const float r = v[0] / scale[0], g = v[1] / scale[1], b = v[2] / scale[2];
+      const float least = std::min(std::min(r, g), b), most = std::max(std::max(r, g), b);
+      clipped[x] = least >= 0.97f ? inside[x] : std::uint8_t{0};
+      partly[x] = most >= 0.985f ? inside[x] : std::uint8_t{0};
     }
   }
   return sky;

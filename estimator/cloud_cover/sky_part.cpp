@@ -23,14 +23,19 @@ cv::Mat1b sharp_edges(const PixelFeatures& sky) {
   cv::log(smooth + cv::Scalar::all(0.06), logs);
   const cv::Mat3f& l = static_cast<const cv::Mat3f&>(logs);
   cv::Mat1b edges(cv::Mat1b::zeros(l.size()));
-  for (int y = 1; y + 1 < l.rows; ++y)
+  for (int y = 1; y + 1 < l.rows; ++y) {
+    const cv::Vec3f *above = l[y - 1], *here = l[y], *below = l[y + 1];
+    const auto* inside = sky.inside[y];
+    auto* edge = edges[y];
     for (int x = 1; x + 1 < l.cols; ++x) {
-      if (!sky.inside(y, x)) continue;
-      const cv::Vec3f dx = l(y, x + 1) - l(y, x - 1), dy = l(y + 1, x) - l(y - 1, x);
-      const float across = std::max({std::abs(dx[0]), std::abs(dx[1]), std::abs(dx[2])});
-      const float down = std::max({std::abs(dy[0]), std::abs(dy[1]), std::abs(dy[2])});
-      if (across * across + down * down >= kSharp * kSharp) edges(y, x) = 255;
+      float across = 0.0f, down = 0.0f;
+      for (int c = 0; c < 3; ++c) {
+        across = std::max(across, std::abs(here[x + 1][c] - here[x - 1][c]));
+        down = std::max(down, std::abs(below[x][c] - above[x][c]));
+      }
+      edge[x] = across * across + down * down >= kSharp * kSharp ? inside[x] : std::uint8_t{0};
     }
+  }
   return edges;
 }
 

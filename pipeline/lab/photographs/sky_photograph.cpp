@@ -26,6 +26,7 @@ constexpr double kSigmaOfKnownTone = 0.02, kSigmaOfKnownRim = 0.05;
 constexpr double kOtherPlace_m = 25'000.0;  // the sun stands .2 deg elsewhere
 constexpr double kNightByTime = 0.99;       // one clock in a hundred is half a day off
 constexpr double kSurelyClosed = 0.97;      // cloud fraction; overcast is from .93 on
+constexpr int kFirstSamples = 200;          // more than are independent: whether a sky is closed needs no more
 constexpr const char* kNotLookedFor = "; not looked for in the picture";
 constexpr Radians kWrongSun = from_degrees(15.0);  // seen so far from where it is given: that is not the sky's sun
 
@@ -236,7 +237,7 @@ std::optional<PhotographEstimator::FirstAnswer> PhotographEstimator::by_first_lo
   const auto closed_sky = first_look_->refuse(coarse, *given.direction, estimate_options(report));
   if (!closed_sky) return std::nullopt;
   answer.sun_may_show = closed_sky->sun_may_show;
-  report.cover = cloud_cover(coarse, camera, given.direction, first_directions_);
+  report.cover = cloud_cover(coarse, camera, given.direction, first_directions_, kFirstSamples);
   const bool closed = report.cover.sky == CoverClass::overcast && report.cover.fraction > kSurelyClosed;
   if (closed_sky->refusal.sky == SkyCondition::overcast && !closed) return std::nullopt;
   auto& estimate = report.look.estimate;
