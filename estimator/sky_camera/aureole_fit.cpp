@@ -75,6 +75,15 @@ double bisquare(double x) {
   return u * u;
 }
 
+// The lower half, to which the solver looks, in blocks of four columns.
+void add_product(Square& sum, double weight, const Row& row) {
+  static_assert(kFitTerms == 12);
+  const Row weighted = weight * row;
+  sum.block<12, 4>(0, 0).noalias() += weighted * row.segment<4>(0).transpose();
+  sum.block<8, 4>(4, 4).noalias() += weighted.segment<8>(4) * row.segment<4>(4).transpose();
+  sum.block<4, 4>(8, 8).noalias() += weighted.segment<4>(8) * row.segment<4>(8).transpose();
+}
+
 // Distance at which half of the surroundings are no longer clipped.
 double clipped_radius(const CoarseMaps& sky, const std::vector<Spot>& spots, const std::vector<Around>& seen) {
   std::array<double, 80> clipped{}, all{};
@@ -237,7 +246,7 @@ class Fitting {
       }
       const double weight = area * (moves ? bisquare(residual / window_) : 1.0);
       if (weight <= 0.0) continue;
-      normal_[around.sector] += weight * row * row.transpose();
+      add_product(normal_[around.sector], weight, row);
       right_[around.sector] += weight * value * row;
     }
     total_ = 0.0;
