@@ -43,7 +43,7 @@ if(KASUMI_SANITIZE MATCHES "address.*undefined")
   # a picture, and compute with them; or draw what gles/model and gles/gpu_model have read and counted. Their templates would be the
   # dearest of all to compile once more.
   set(KASUMI_NOT_WATCHED calib/board calib/light calib/pose estimator/air estimator/fusion estimator/light estimator/sky_fit
-    gles/air gles/light gles/object gles/shadow)
+    gles/air gles/composite gles/light gles/object gles/shadow)
   # The estimator's and the calibration's Eigen: its many small functions are inlined, and an appliance in a test takes half the time.
   set(KASUMI_WATCHED_COMPUTING calib estimator)
   add_library(kasumi_keep_libraries OBJECT tests/sanitizers/keep_libraries.cpp)

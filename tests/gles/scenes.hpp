@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "gles/composite/renderer.hpp"
 #include "gles/gl/context.hpp"
 #include "gles/gl/offscreen.hpp"
-#include "gles/object/renderer.hpp"
 #include "tests/gles/object/reference_renderer.hpp"
 
 namespace kasumi {

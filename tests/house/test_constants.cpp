@@ -16,6 +16,7 @@ namespace {
 
 // Files or folders whose constants all have a reason.
 const std::vector<std::string> kExplained{"estimator/",
+                                          "gles/composite/",
                                           "gles/object/",
                                           "pipeline/install/camera_drift/",
                                           "pipeline/kiosk/appliance/",

@@ -10,8 +10,8 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "estimator/atmosphere.hpp"
+#include "gles/composite/renderer.hpp"
 #include "gles/model/model.hpp"
-#include "gles/object/renderer.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

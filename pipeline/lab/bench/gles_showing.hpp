@@ -5,8 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "gles/composite/renderer.hpp"
 #include "gles/gl/context.hpp"
-#include "gles/object/renderer.hpp"
 #include "pipeline/lab/bench/gles_scene.hpp"
 
 namespace kasumi {

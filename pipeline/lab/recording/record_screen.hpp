@@ -5,8 +5,8 @@
 #include <string>
 
 #include "capture/frame.hpp"
+#include "gles/composite/renderer.hpp"
 #include "gles/display/display.hpp"
-#include "gles/object/renderer.hpp"
 #include "gles/picture/flat_picture.hpp"
 #include "pipeline/site/config/run_config.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
-#include "gles/object/renderer.hpp"
+#include "gles/composite/renderer.hpp"
 #include "pipeline/show/scene/layer_light.hpp"
 
 namespace kasumi {

@@ -5,7 +5,7 @@
 
 #include "capture/codec/dimmed_picture.hpp"
 #include "capture/frame.hpp"
-#include "gles/object/renderer.hpp"
+#include "gles/composite/renderer.hpp"
 
 namespace kasumi {
 

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "tests/gles/object/reference_matte.hpp"
+#include "tests/gles/composite/reference_matte.hpp"
 #include "tests/gles/object/reference_shading.hpp"
 #include "tests/gles/shadow/reference_shadow.hpp"
 

@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "estimator/light/object_light.hpp"
-#include "gles/object/renderer.hpp"
+#include "gles/composite/renderer.hpp"
 #include "pipeline/show/scene/for_gles.hpp"
 #include "tests/figures.hpp"
 

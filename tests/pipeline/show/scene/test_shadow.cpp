@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "estimator/sky/sun.hpp"
-#include "gles/object/renderer.hpp"
+#include "gles/composite/renderer.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,4 +1,4 @@
-#include "gles/object/foreground.hpp"
+#include "gles/composite/foreground.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 
 #include "base/image.hpp"
 #include "base/result.hpp"
+#include "gles/composite/matte_nodes.hpp"
 #include "gles/gl/objects.hpp"
 #include "gles/gpu_model/programs.hpp"
-#include "gles/object/matte_nodes.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/response_table.hpp"
 

@@ -10,7 +10,7 @@
 #include <glm/gtc/type_precision.hpp>
 
 #include "base/image.hpp"
-#include "gles/object/camera_processing.hpp"
+#include "gles/composite/camera_processing.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

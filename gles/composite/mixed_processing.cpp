@@ -1,4 +1,4 @@
-#include "gles/object/mixed_processing.hpp"
+#include "gles/composite/mixed_processing.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "gles/object/changed_blocks.hpp"
+#include "gles/composite/changed_blocks.hpp"
 #include "gles/picture/wide_vectors.hpp"
 
 namespace kasumi {

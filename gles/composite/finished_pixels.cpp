@@ -1,4 +1,4 @@
-#include "gles/object/finished_pixels.hpp"
+#include "gles/composite/finished_pixels.hpp"
 
 #include <cmath>
 #include <utility>

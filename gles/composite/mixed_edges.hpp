@@ -8,7 +8,7 @@
 
 #include "base/image.hpp"
 #include "base/picture.hpp"
-#include "gles/object/mixed_pixels.hpp"
+#include "gles/composite/mixed_pixels.hpp"
 #include "gles/scene.hpp"
 
 namespace kasumi {

@@ -1,4 +1,4 @@
-#include "tests/gles/object/reference_matte.hpp"
+#include "tests/gles/composite/reference_matte.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "gles/object/changed_blocks.hpp"
+#include "gles/composite/changed_blocks.hpp"
 
 #include <algorithm>
 

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "gles/object/camera_processing.hpp"
-#include "gles/object/finished_pixels.hpp"
-#include "gles/object/foreground.hpp"
-#include "gles/object/in_front.hpp"
-#include "gles/object/matte.hpp"
+#include "gles/composite/camera_processing.hpp"
+#include "gles/composite/finished_pixels.hpp"
+#include "gles/composite/foreground.hpp"
+#include "gles/composite/in_front.hpp"
+#include "gles/composite/matte.hpp"
 #include "gles/object/object_layer.hpp"
 #include "gles/picture/camera_textures.hpp"
 #include "gles/picture/picture_mesh.hpp"

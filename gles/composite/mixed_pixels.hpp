@@ -11,7 +11,7 @@
 #include <glm/vec4.hpp>
 
 #include "base/image.hpp"
-#include "gles/object/matte_nodes.hpp"
+#include "gles/composite/matte_nodes.hpp"
 #include "gles/picture/wide_vectors.hpp"
 #include "gles/scene.hpp"
 

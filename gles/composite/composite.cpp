@@ -1,4 +1,4 @@
-#include "gles/object/composite.hpp"
+#include "gles/composite/composite.hpp"
 
 #include <algorithm>
 #include <utility>

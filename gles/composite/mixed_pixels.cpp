@@ -1,4 +1,4 @@
-#include "gles/object/mixed_pixels.hpp"
+#include "gles/composite/mixed_pixels.hpp"
 
 #include <algorithm>
 #include <bit>

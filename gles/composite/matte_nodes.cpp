@@ -1,4 +1,4 @@
-#include "gles/object/matte_nodes.hpp"
+#include "gles/composite/matte_nodes.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "gles/object/processor_mix.hpp"
+#include "gles/composite/processor_mix.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "gles/object/mixed_edges.hpp"
+#include "gles/composite/mixed_edges.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -381,7 +381,7 @@ void mix_all(Text& text, const EdgeInputs& in, glm::ivec2 first, Image<glm::u8ve
     if (!in.noise.none()) {
       std::array<float, kLanes> numbers[3];
       for (int i = 0; i < kEight; ++i) {
-        const glm::u8vec3& of = repeated(in.patterns.noise, left + i + noise_first.x, y + noise_first.y);
+        const glm::u8vec3& of = repeated(*in.patterns.noise, left + i + noise_first.x, y + noise_first.y);
         for (std::size_t c = 0; c < 3; ++c) numbers[c][static_cast<std::size_t>(i)] = of[static_cast<int>(c)];
       }
       text.numbers = {vec3(loaded<Floats>(numbers[0].data()), loaded<Floats>(numbers[1].data()),

@@ -1,4 +1,4 @@
-#include "gles/object/renderer_state.hpp"
+#include "gles/composite/renderer_state.hpp"
 
 #include <algorithm>
 

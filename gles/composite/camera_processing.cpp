@@ -1,11 +1,11 @@
-#include "gles/object/camera_processing.hpp"
+#include "gles/composite/camera_processing.hpp"
 
 #include <algorithm>
 
+#include "gles/composite/changed_blocks.hpp"
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"
 #include "gles/gpu_model/projection.hpp"
-#include "gles/object/changed_blocks.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,4 +1,4 @@
-#include "gles/object/renderer.hpp"
+#include "gles/composite/renderer.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,12 +7,12 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "gles/composite/renderer_state.hpp"
 #include "gles/gl/gl.hpp"
 #include "gles/gl/patterns.hpp"
 #include "gles/gl/texture_units.hpp"
 #include "gles/light/airlight_grid.hpp"
 #include "gles/light/appearance.hpp"
-#include "gles/object/renderer_state.hpp"
 
 namespace kasumi {
 namespace {

@@ -1,4 +1,4 @@
-#include "gles/object/in_front.hpp"
+#include "gles/composite/in_front.hpp"
 
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"

@@ -7,7 +7,7 @@
 #include "calib/mask/sway_mask.hpp"
 #include "fixtures/in_front/leaves.hpp"
 #include "fixtures/noise/random.hpp"
-#include "gles/object/matte_nodes.hpp"
+#include "gles/composite/matte_nodes.hpp"
 #include "tests/figures.hpp"
 #include "tests/gles/scenes.hpp"
 #include "tests/opencv_pictures.hpp"

@@ -1,4 +1,4 @@
-#include "gles/object/matte.hpp"
+#include "gles/composite/matte.hpp"
 
 #include <vector>
 

@@ -10,9 +10,9 @@
 #include "base/image.hpp"
 #include "base/picture.hpp"
 #include "base/result.hpp"
-#include "gles/object/composite.hpp"
-#include "gles/object/mixed_edges.hpp"
-#include "gles/object/mixed_processing.hpp"
+#include "gles/composite/composite.hpp"
+#include "gles/composite/mixed_edges.hpp"
+#include "gles/composite/mixed_processing.hpp"
 #include "gles/picture/camera_pixels.hpp"
 #include "gles/picture/plane_upload.hpp"
 
