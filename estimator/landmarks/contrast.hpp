@@ -41,6 +41,7 @@ struct ContrastLandmark {
   // of facades in the shade is .92 to 1.0, of trees .98 (measured on towers, docs/accuracy.md).
   double contrast = 0.94;
   double contrast_sigma = 0.06;
+  bool contrast_stated = false;  // for this surface; else the sun may lie on it as well
   // The light from infinity behind it may differ from the sky that it is compared with by this share.
   double infinity_sigma = 0.01;
   std::optional<Radians> faces{};  // the azimuth to which a facade looks

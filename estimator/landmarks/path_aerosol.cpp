@@ -34,6 +34,8 @@ constexpr int kBeyond = 6;
 constexpr double kAtTheEnd = 0.3;
 constexpr double kUsualExponent = 1.3, kUsualExponentSigma = 0.5;
 const glm::dvec3 kGrey{0.21, 0.72, 0.07};
+// What the sun may add to the land of a picture, in units of the horizon's light in green; all are equally likely.
+constexpr std::array<double, 4> kInTheSun{0.0, 0.12, 0.24, 0.36};
 
 struct Steps {
   double first, last;
@@ -71,6 +73,7 @@ std::pair<ColourMatrix, ColourVector> rooted(const LearntConstants& learnt, Eige
 struct LandmarkColours::Asked {
   std::vector<std::size_t> landmarks;
   ColourVector contrast, sigma, mean, lit, floor, floor_sigma, scatter;
+  ColourVector sun;  // what the sun adds, over what it adds in green; 0 for what is known to be in the shade
   ColourMatrix known;
   double altitude_factor = 1.0;  // aerosol at sea level over that at the camera
 };
@@ -94,6 +97,7 @@ LandmarkColours::LandmarkColours(const Camera& camera, const std::vector<Contras
   before_.covariance.resize(count * count);
   for (const auto& landmark : landmarks) {
     paths_.push_back(optical_path(altitude_m, altitude_m + landmark.rise_m, landmark.distance_m));
+    unsaid_.push_back(!landmark.against && !landmark.faces && !landmark.contrast_stated);
   }
   laws_ = laws_of(landmarks, altitude_m);
   // The surface's own light in each channel, or a difference of two, in units of the horizon's.
@@ -128,7 +132,7 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
     if (readings[i].usable && std::ranges::find(left_out, i) == left_out.end()) asked.landmarks.push_back(i);
   const auto count = static_cast<Eigen::Index>(3 * asked.landmarks.size());
   const auto all = belief_.mean.size();
-  asked.contrast = asked.sigma = asked.mean = asked.lit = asked.floor = asked.floor_sigma = asked.scatter =
+  asked.contrast = asked.sigma = asked.mean = asked.lit = asked.floor = asked.floor_sigma = asked.scatter = asked.sun =
       ColourVector(count);
   asked.known = ColourMatrix(count, count);
   asked.altitude_factor = std::exp(altitude_m_ / kMieScaleHeight_m);
@@ -146,6 +150,7 @@ LandmarkColours::Asked LandmarkColours::asked(const std::vector<ContrastReading>
     asked.floor[k] = belief_.floor[from];
     asked.floor_sigma[k] = belief_.floor_sigma[from];
     asked.scatter[k] = belief_.scatter[from];
+    asked.sun[k] = unsaid_[from / 3] ? colours_.sunlight[c] : 0.0;
     // Against the sky a surface's light varies in units of the sky's; between two surfaces their difference varies.
     asked.lit[k] = laws_[from / 3].before_sky ? std::max(0.02, 1.0 - belief_.mean[from]) : std::abs(belief_.mean[from]);
     for (Eigen::Index l = 0; l < count; ++l) asked.known(k, l) = belief_.covariance[from * all + at(l)];
@@ -193,8 +198,9 @@ LandmarkColours::Model LandmarkColours::model_under(double per_m, double angstro
       const auto one = asked.landmarks[static_cast<std::size_t>(k / 3)];
       const auto other = asked.landmarks[static_cast<std::size_t>(l / 3)];
       if (laws_[one].before_sky && laws_[other].before_sky)
-        noise += spread_.airlight * spread_.airlight * (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
-                 (same_channel ? 1.0 : colours_.airlight_together);
+        noise += (1.0 - model.haze[k]) * (1.0 - model.haze[l]) *
+                 (square(spread_.airlight) * (same_channel ? 1.0 : colours_.airlight_together) +
+                  (same_channel && unsaid_[one] && unsaid_[other] ? square(colours_.airlight_colour) : 0.0));
       model.noise(k, l) = noise;
     }
   return model;
@@ -203,9 +209,23 @@ LandmarkColours::Model LandmarkColours::model_under(double per_m, double angstro
 double LandmarkColours::minus_two_log(double per_m, double angstrom_exponent, const Asked& asked) const {
   const auto model = model_under(per_m, angstrom_exponent, asked);
   const ColourMatrix all = model.haze.asDiagonal() * asked.known * model.haze.asDiagonal() + model.noise;
-  const Eigen::LLT<ColourMatrix> factor(all);
   const ColourVector residual = asked.contrast - asked.floor - model.haze.cwiseProduct(asked.mean - asked.floor);
-  return 2.0 * factor.matrixLLT().diagonal().array().log().sum() + residual.dot(factor.solve(residual));
+  const ColourVector sun = model.haze.cwiseProduct(asked.sun);
+  const auto levels = asked.sun.isZero() ? std::size_t{1} : kInTheSun.size();
+  std::array<double, kInTheSun.size()> rises{};
+  for (std::size_t level = 0; level < levels; ++level) {
+    ColourMatrix lit = all;
+    const ColourVector by = kInTheSun[level] * sun, each = colours_.sun_each * by;
+    for (Eigen::Index k = 0; k < by.size(); ++k)
+      for (Eigen::Index l = k - k % 3; l <= k; ++l) lit(k, l) += each[k] * each[l] * (k == l ? 1.0 : colours_.sun);
+    const Eigen::LLT<ColourMatrix> factor(lit);
+    rises[level] =
+        2.0 * factor.matrixLLT().diagonal().array().log().sum() + factor.matrixL().solve(residual + by).squaredNorm();
+  }
+  const double least = *std::min_element(rises.begin(), rises.begin() + static_cast<std::ptrdiff_t>(levels));
+  double likelihood = 0.0;
+  for (std::size_t level = 0; level < levels; ++level) likelihood += std::exp(-0.5 * (rises[level] - least));
+  return least - 2.0 * std::log(likelihood);
 }
 
 PathAerosol LandmarkColours::estimate(const std::vector<ContrastReading>& readings,

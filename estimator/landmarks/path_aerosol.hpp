@@ -29,6 +29,11 @@ struct ColourSpread {
   double read = 0.5;               // of errors of reading: the sky's are common, the pixels' are not
   double airlight_together = 0.7;  // correlation of ContrastSpread::airlight from channel to channel
   double learnt_together = 0.7;    // of the errors of what pictures show of a contrast without air
+  // Of landmarks of which nothing is said. Each channel's airlight by itself: the horizon is seen through higher air.
+  double airlight_colour = 0.035;
+  // What the sun adds to surfaces, by channel: they reflect .45 to .75 as much blue as red of .6 as much blue as red.
+  glm::dvec3 sunlight{1.1, 1.0, 0.35};
+  double sun_each = 0.25, sun = 0.9;  // standard deviation of one surface's share, and correlation of its channels
 };
 
 struct PathCovariance {
@@ -89,6 +94,7 @@ class LandmarkColours {
   ColourSpread colours_;
   std::vector<OpticalPath> paths_;
   std::vector<LawOfLandmark> laws_;
+  std::vector<bool> unsaid_;  // nothing of its contrast or of where it faces
   double chroma_ = 1.0;
   ContrastBelief before_, belief_;  // before the first picture, and now; of 3 n contrasts
 };

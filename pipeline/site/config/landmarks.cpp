@@ -145,6 +145,7 @@ std::vector<ContrastLandmark> read_contrast_landmarks(const ConfigTable& root, c
     const double usual_sigma = landmark.against ? 0.3 : ContrastLandmark{}.contrast_sigma;
     landmark.contrast = table.number("contrast", {-1.0, 1.0}, usual);
     landmark.contrast_sigma = table.number("contrast_sigma", {0.005, 1.0}, usual_sigma);
+    landmark.contrast_stated = table.has("contrast");
     if (table.has("faces_deg")) landmark.faces = from_degrees(table.number("faces_deg", {0.0, 360.0}));
     landmark.infinity_sigma = infinity_sigma(landmark, scene.width);
     landmarks.push_back(std::move(landmark));

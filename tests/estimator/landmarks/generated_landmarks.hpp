@@ -64,8 +64,9 @@ inline std::vector<ContrastLandmark> landmarks_on(const fixtures::SceneGeometry&
   return landmarks;
 }
 
-inline GeneratedView generated_view(std::uint64_t terrain) {
+inline GeneratedView generated_view(std::uint64_t terrain, double heading_deg = 4.0) {
   fixtures::PinholeSpec options;
+  options.heading_deg = heading_deg;
   options.width = 320;
   options.height = 180;
   options.field_of_view_deg = 20.0;

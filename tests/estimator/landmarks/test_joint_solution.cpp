@@ -1,6 +1,7 @@
 // Landmarks and airs solved together, from readings drawn by Koschmieder's law with known constants.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -134,17 +135,24 @@ TEST(JointSolution, PicturesThatShowNothingAreNoHours) {
     EXPECT_NEAR(by_all[2 * t].extinction().per_m / by_day[t].extinction().per_m, 1.0, 1e-6) << t;
 }
 
-// Clear and hazy pictures of surfaces of known colour, as a path of that aerosol shows them.
-PathAerosol aerosol_seen(double exponent) {
+constexpr double kAerosol_per_m = 3e-4;
+// Surfaces of known colour, as a path of that aerosol shows them. `sunlight`: of the horizon's light that they return
+// more than in the shade, one by a third of it more, the next by a third less.
+PathAerosol aerosol_seen(double exponent, const glm::dvec3& sunlight = glm::dvec3{0.0},
+                         std::optional<Radians> faces = {}) {
   std::vector<ContrastLandmark> landmarks = landmarks_of(kTowers);
+  for (auto& landmark : landmarks) landmark.faces = faces;
   const LandmarkColours colours(Camera{}, landmarks, 0.0);
   std::vector<ContrastReading> readings;
   for (const auto& landmark : landmarks) {
     ContrastReading reading{true, "", {}, glm::dvec3(0.003)};
+    const double share = readings.size() % 2 == 0 ? 4.0 / 3.0 : 2.0 / 3.0;
     for (int c = 0; c < 3; ++c) {
       const double nm = colours.wavelength_nm()[c];
-      const double per_m = rayleigh_per_m(ScatteringModel::aerosol, nm, 0.0) + 3e-4 * std::pow(nm / 550.0, -exponent);
-      reading.contrast[c] = (1.0 - 0.06 * ColourSpread{}.dull[c]) * std::exp(-per_m * haze_path_m(landmark, 0.0));
+      const double per_m =
+          rayleigh_per_m(ScatteringModel::aerosol, nm, 0.0) + kAerosol_per_m * std::pow(nm / 550.0, -exponent);
+      reading.contrast[c] =
+          (1.0 - 0.06 * ColourSpread{}.dull[c] - share * sunlight[c]) * std::exp(-per_m * haze_path_m(landmark, 0.0));
     }
     readings.push_back(reading);
   }
@@ -164,6 +172,22 @@ TEST(JointSolution, AnExponentThatNoAerosolHasIsUnknown) {
     EXPECT_NEAR(seen.angstrom_exponent, 1.3, 1e-9) << "as usual";
     EXPECT_NEAR(std::sqrt(seen.covariance.exponent), 0.5, 1e-9);
   }
+}
+
+// Grassland in the sun: .10, .10, .05 reflected (R, G, B) of 2.5, 2.4, 1.5 times the horizon's light.
+TEST(JointSolution, SunlitLandOfWhichNothingIsSaidTellsNoLowExponentSurely) {
+  const glm::dvec3 grassland{0.25, 0.24, 0.075};
+  for (const double exponent : {0.5, 1.3, 1.8}) {
+    const auto seen = aerosol_seen(exponent, grassland), shaded = aerosol_seen(exponent, grassland, from_degrees(0.0));
+    EXPECT_TRUE(seen.exponent_told) << exponent;
+    const double off = std::abs(seen.angstrom_exponent - exponent) / std::sqrt(seen.covariance.exponent);
+    EXPECT_LT(off, 2.0) << exponent;
+    EXPECT_LT(std::abs(seen.per_m - kAerosol_per_m), 2.0 * std::sqrt(seen.covariance.per_m)) << exponent;
+    const double off_as_shaded = std::abs(shaded.angstrom_exponent - exponent) / std::sqrt(shaded.covariance.exponent);
+    EXPECT_GT(off_as_shaded, 1.3 * off) << exponent << ": of facades that are said to be in the shade";
+  }
+  const auto facades = aerosol_seen(1.3), known = aerosol_seen(1.3, glm::dvec3{0.0}, from_degrees(0.0));
+  EXPECT_LT(known.covariance.exponent, facades.covariance.exponent) << "known to be in the shade";
 }
 
 TEST(JointSolution, AnUnchangedSceneIsOneReading) {

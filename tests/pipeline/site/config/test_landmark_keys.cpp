@@ -47,6 +47,12 @@ TEST(LandmarkKeys, ARidgeIsAStripBelowALine) {
   EXPECT_EQ(landmark.distance_m, 3000.0);
 }
 
+TEST(LandmarkKeys, AContrastIsStatedWhereItsKeyIs) {
+  const std::string place = "distance_m = 3000\nregion_px = [10, 60, 20, 10]\n";
+  EXPECT_FALSE(read_keys(place).landmarks.at(0).contrast_stated);
+  EXPECT_TRUE(read_keys(place + "contrast = 0.94\n").landmarks.at(0).contrast_stated) << "though as by default";
+}
+
 TEST(LandmarkKeys, TheDistanceMapGivesWhatIsNotGiven) {
   const auto map = hills();
   const auto ridge = read_keys("ridge_px = [10, 60, 200, 60]\nstrip_px = 5\n", &map);
