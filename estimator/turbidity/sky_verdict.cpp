@@ -207,6 +207,15 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
   return std::nullopt;
 }
 
+std::optional<Refusal> refuse_by_sigma(double aod_550, double sigma_aod_550) {
+  constexpr double kThickHaze = 1.0;  // of optical depth at 550 nm: hills some kilometres away are gone
+  if (sigma_aod_550 <= aod_550 || aod_550 + 2.0 * sigma_aod_550 <= kThickHaze) return std::nullopt;
+  return refusal(
+      SkyCondition::unknown,
+      fmt::format("the aerosol depth {:.2f} is uncertain by {:.2f}, so that this may be clear air or thick haze",
+                  aod_550, sigma_aod_550));
+}
+
 std::optional<Refusal> refuse_by_look(const ColourStatistics& look, double brightest) {
   if (look.places < kFewestPlaces || look.colour_span > kColourless || look.bluest < kBlue) return std::nullopt;
   if (brightest < kSunVisible && look.bluest > kRed)

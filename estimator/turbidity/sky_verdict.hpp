@@ -50,6 +50,9 @@ std::optional<Refusal> refuse_by_fit(const TurbiditySolution& fit, int drawn, do
 // Refusals before any fit: a lens that is covered, or a sky without colour. `brightest`: from ExposureStatistics.
 std::optional<Refusal> refuse_by_look(const ColourStatistics& look, double brightest);
 
+// Where an aerosol depth excludes neither clear air nor thick haze, it says nothing.
+std::optional<Refusal> refuse_by_sigma(double aod_550, double sigma_aod_550);
+
 // All that a verdict goes by where every model of the sky was asked.
 struct VerdictEvidence {
   ColourStatistics look;

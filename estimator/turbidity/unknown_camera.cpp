@@ -17,7 +17,6 @@ constexpr double kMostlyClear = 0.80;                    // from this share on t
 constexpr Radians kNearestToBloom = from_degrees(15.0);  // an unknown lens scatters the sun's light that far
 constexpr int kFewestReadings = 60;                      // as a tone curve needs
 constexpr double kMostLeft = 0.30;                       // of ln light: no clear sky, whatever the camera
-constexpr double kThickHaze = 1.0;  // of optical depth: an answer that excludes neither clear air nor this says nothing
 
 Refusal unknown(std::string reason) {
   return {SkyCondition::unknown, std::move(reason)};
@@ -39,18 +38,14 @@ double share_of_sky(const ElementLight& sky) {
   return all > 0.0 ? clear / all : 0.0;
 }
 
-std::optional<Refusal> refuse_by_sigma(const UncalibratedFit& fit, int readings) {
+std::optional<Refusal> refuse_by_what_is_left(const UncalibratedFit& fit, int readings) {
   if (readings < kFewestReadings || !fit.sky.solved)
     return unknown(fmt::format("{} places of clear sky are too few for an answer, expected at least {}", readings,
                                kFewestReadings));
   if (fit.log_residual > kMostLeft)
     return unknown(fmt::format("no clear sky is nearer than {:.0f} %, whatever the camera's tone curve and rim loss",
                                100.0 * fit.log_residual));
-  const double aod = fit.sky.found.aerosol.aod_550, sigma = std::sqrt(fit.sky.found.covariance.aod_550);
-  if (sigma > aod && aod + 2.0 * sigma > kThickHaze)
-    return unknown(fmt::format(
-        "the aerosol depth {:.2f} is uncertain by {:.2f}, so that this may be clear air or thick haze", aod, sigma));
-  return std::nullopt;
+  return refuse_by_sigma(fit.sky.found.aerosol.aod_550, std::sqrt(fit.sky.found.covariance.aod_550));
 }
 
 }  // namespace
@@ -104,7 +99,7 @@ TurbidityObservation SkyObserver::observe_by_unknown_camera(const SkyPicture& pi
     estimate.found = fit.sky.found;
     for (const ModelFit& model : fit.sky.models) estimate.models.push_back(model.answer);
   }
-  if (const auto refusal = refuse_by_sigma(fit, estimate.samples)) return refuse(*refusal), observation;
+  if (const auto refusal = refuse_by_what_is_left(fit, estimate.samples)) return refuse(*refusal), observation;
   estimate.usable = true;
   estimate.sky = estimate.clear_fraction >= kMostlyClear ? SkyCondition::clear : SkyCondition::partly_cloudy;
   return observation;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "estimator/turbidity/sky_verdict.hpp"
 #include "estimator/turbidity/turbidity.hpp"
 #include "tests/estimator/turbidity/synthetic_sky.hpp"
 
@@ -29,6 +30,17 @@ EstimateParameters every_model() {
   EstimateParameters options;
   options.sky.every_model = true;
   return options;
+}
+
+// An uncertain depth is an answer as long as it excludes something.
+TEST(Verdict, OnlyADepthThatExcludesNothingIsRefusedForItsSigma) {
+  EXPECT_FALSE(refuse_by_sigma(0.03, 0.05)) << "surely clear air";
+  EXPECT_FALSE(refuse_by_sigma(0.24, 0.26)) << "no thick haze";
+  EXPECT_FALSE(refuse_by_sigma(0.9, 0.5)) << "surely no clear air";
+  const auto refused = refuse_by_sigma(0.35, 0.4);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->sky, SkyCondition::unknown);
+  EXPECT_NE(refused->reason.find("0.35 is uncertain by 0.40"), std::string::npos) << refused->reason;
 }
 
 TEST(Verdict, UsesAClearSky) {
