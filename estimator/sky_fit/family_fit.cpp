@@ -19,7 +19,7 @@ constexpr double kMiddleShare = 0.5, kSigmaShare = 0.5;
 // Found amounts of skies over another ground, or of another phase function, were off by this share for each standard
 // deviation that the doubts took.
 constexpr double kDoubtfulShare = 0.07;
-constexpr double kGain = 5e-3;  // of the sum of squares, some hundred: steps that gain less are the last
+constexpr double kGain = 5e-3;            // of the sum of squares, some hundred: steps that gain less are the last
 constexpr double kNothing = 0.1 * kGain;  // of the same: a step of which no more is expected is not tried
 constexpr double kLowestExponent = -0.5, kHighestExponent = 2.5;
 
