@@ -52,6 +52,7 @@ MixedPixels::MixedPixels(const LayerTexels& layer, const std::vector<PixelBox>& 
       }
       if (eight.whole != 0) eights_.push_back(eight);
     }
+  eights_.shrink_to_fit();  // some megabytes that stay
   edges_ = static_cast<std::size_t>(
       std::ranges::stable_partition(eights_, [](const EightPixels& eight) { return eight.edge != 0; }).begin() -
       eights_.begin());
