@@ -162,6 +162,8 @@ class ExpectedColour {
         model_(model_at(consensus_.turbidity, sun, fitted)),
         expected_(geometry, [this](const Direction& view) { return expected_at(model_, xyz_to_light_, view).colour; }) {
   }
+  ExpectedColour(const ExpectedColour&) = delete;  // expected_ refers to it
+  ExpectedColour& operator=(const ExpectedColour&) = delete;
   float at(int x, int y) const { return expected_.at(x, y) + consensus_.white_balance; }
   Turbidity turbidity() const { return consensus_.turbidity; }
 
