@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <set>
+#include <vector>
 
 #include <cairo.h>
 #include <fontconfig/fontconfig.h>
@@ -32,17 +34,25 @@ constexpr int kTries = 12;                         // to find lines of equal len
 // A member of TextLayout's parts: named, so that those have linkage.
 namespace text_parts {
 
+using FontMap = CPtr<PangoFontMap, g_object_unref>;
+
 // All fonts there are, the given file's before them.
 struct Fonts {
   UniqueFd own_file;
   CPtr<FcConfig, FcConfigDestroy> config;
   std::string family = kUsualFont;
+  // Of maps that no text uses now; a map is not for several threads. Pango sorts fonts for a map in a thread of its own,
+  // which nobody can wait for and which reads the map when it is done: a map that is freed after its text ends the program.
+  std::mutex busy;
+  std::vector<FontMap> idle;
+  std::chrono::steady_clock::time_point used_at;  // of the last map
 };
 
 }  // namespace text_parts
 
 namespace {
 
+using text_parts::FontMap;
 using text_parts::Fonts;
 
 // Of a paragraph in one of these the base direction is theirs, though it may begin with a name in Latin letters.
@@ -101,7 +111,7 @@ const char* package_for(gunichar letter) {
 
 namespace {
 
-Result<std::shared_ptr<const Fonts>> read_fonts(const std::optional<std::filesystem::path>& file) {
+Result<std::shared_ptr<Fonts>> read_fonts(const std::optional<std::filesystem::path>& file) {
   auto fonts = std::make_shared<Fonts>();
   fonts->config.reset(FcInitLoadConfigAndFonts());
   if (!fonts->config) return fail(FaultKind::unsupported, "fontconfig cannot be initialised");
@@ -123,12 +133,13 @@ Result<std::shared_ptr<const Fonts>> read_fonts(const std::optional<std::filesys
 
 // A picture may have dozens of labels: fonts are kept. Pango does not let go of what it was given, so that reading them for
 // each text would take a quarter of a megabyte each time.
-Result<std::shared_ptr<const Fonts>> fonts_with(const std::optional<std::filesystem::path>& file) {
-  // Sets of fonts: a reload adds one, and all are dropped when they are that many.
-  constexpr std::size_t kMostKept = 8;
+Result<std::shared_ptr<Fonts>> fonts_with(const std::optional<std::filesystem::path>& file) {
+  constexpr std::size_t kMostKept = 8;                    // sets of fonts, one more with each changed file
+  constexpr auto kMapsAreIdle = std::chrono::minutes(1);  // sorting all of Noto's fonts takes a tenth of a second
   using Key = std::pair<std::string, std::filesystem::file_time_type>;
   static std::mutex busy;
-  static std::map<Key, std::shared_ptr<const Fonts>> kept;
+  // Never freed: at the program's end the maps' threads may still be at work.
+  static auto& kept = *new std::map<Key, std::shared_ptr<Fonts>>;
   std::error_code unreadable;
   const Key key(file ? file->string() : std::string(),
                 file ? std::filesystem::last_write_time(*file, unreadable) : std::filesystem::file_time_type{});
@@ -136,22 +147,49 @@ Result<std::shared_ptr<const Fonts>> fonts_with(const std::optional<std::filesys
   if (const auto known = kept.find(key); known != kept.end()) return known->second;
   auto fonts = read_fonts(file);
   if (!fonts) return fonts;
-  if (kept.size() >= kMostKept) kept.clear();
+  const auto idle_since = std::chrono::steady_clock::now() - kMapsAreIdle;
+  if (kept.size() >= kMostKept)
+    std::erase_if(kept, [&](const auto& one) {
+      return one.second.use_count() == 1 && one.second->used_at < idle_since;  // nobody else can begin to use it now
+    });
   kept[key] = *fonts;
   return fonts;
+}
+
+FontMap take_map(Fonts& fonts) {
+  {
+    const std::lock_guard alone(fonts.busy);
+    if (!fonts.idle.empty()) {
+      auto map = std::move(fonts.idle.back());
+      fonts.idle.pop_back();
+      return map;
+    }
+  }
+  FontMap map(pango_cairo_font_map_new_for_font_type(CAIRO_FONT_TYPE_FT));
+  if (!map) return map;
+  pango_fc_font_map_set_config(PANGO_FC_FONT_MAP(map.get()), fonts.config.get());
+  pango_cairo_font_map_set_resolution(PANGO_CAIRO_FONT_MAP(map.get()), 72.0);
+  return map;
+}
+
+void give_back(Fonts& fonts, FontMap map) {
+  const std::lock_guard alone(fonts.busy);
+  fonts.used_at = std::chrono::steady_clock::now();
+  fonts.idle.push_back(std::move(map));
 }
 
 }  // namespace
 
 struct TextLayout::Parts {
-  std::shared_ptr<const Fonts> fonts;
-  CPtr<PangoFontMap, g_object_unref> map;  // of this text: they are not for several threads
+  std::shared_ptr<Fonts> fonts;
+  FontMap map;
   CPtr<PangoContext, g_object_unref> context;
   CPtr<PangoLayout, g_object_unref> layout;
 };
 void TextLayout::CloseParts::operator()(Parts* parts) const {
-  // What the map's own thread has asked of the fonts goes with it.
-  if (parts->map) pango_fc_font_map_shutdown(PANGO_FC_FONT_MAP(parts->map.get()));
+  parts->layout.reset();
+  parts->context.reset();
+  if (parts->map) give_back(*parts->fonts, std::move(parts->map));
   delete parts;
 }
 
@@ -164,10 +202,8 @@ Result<TextLayout> TextLayout::of(const std::string& text, const TextStyle& styl
   if (!fonts) return fail(fonts.error());
   std::unique_ptr<Parts, CloseParts> parts(new Parts);
   parts->fonts = std::move(*fonts);
-  parts->map.reset(pango_cairo_font_map_new_for_font_type(CAIRO_FONT_TYPE_FT));
+  parts->map = take_map(*parts->fonts);
   if (!parts->map) return fail(FaultKind::unsupported, "Cairo was built without FreeType");
-  pango_fc_font_map_set_config(PANGO_FC_FONT_MAP(parts->map.get()), parts->fonts->config.get());
-  pango_cairo_font_map_set_resolution(PANGO_CAIRO_FONT_MAP(parts->map.get()), 72.0);
   parts->context.reset(pango_font_map_create_context(parts->map.get()));
   PangoContext* context = parts->context.get();
   pango_context_set_round_glyph_positions(context, FALSE);

@@ -1,8 +1,10 @@
 // Messages on the picture: their texts and rendering.
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <set>
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -13,6 +15,18 @@
 #include "pipeline/site/config/messages.hpp"
 #include "tests/pipeline/show/stage/harfbuzz_line.hpp"
 #include "tests/places.hpp"
+
+namespace {
+std::atomic<int> font_maps{0};  // that were made
+}
+
+// In place of Pango's, which it calls; the types are Pango's and Cairo's.
+extern "C" void* pango_cairo_font_map_new_for_font_type(int type) {
+  ++font_maps;
+  static const auto pangos =
+      reinterpret_cast<void* (*)(int)>(::dlsym(RTLD_NEXT, "pango_cairo_font_map_new_for_font_type"));
+  return pangos(type);
+}
 
 namespace kasumi {
 namespace {
@@ -71,6 +85,16 @@ std::pair<int, int> columns_with_words(const Image<Rgba8>& picture) {
     for (int x = 0; x < picture.width(); ++x)
       if (has_word(picture.at(x, y))) first = std::min(first, x), last = std::max(last, x);
   return {first, last};
+}
+
+// Pango's threads sort fonts for a map of them and read the map when they are done. They outlive a text, and a freed map
+// ends the program, if rarely: texts one after another are to be of one map.
+TEST_F(Captions, OneAfterAnotherUseOneMapOfFonts) {
+  draw("first");
+  const int before = font_maps;
+  for (int i = 0; i < 40; ++i) draw("label " + std::to_string(i), {.height_px = 20.0 + i});
+  EXPECT_EQ(font_maps, before);
+  EXPECT_GT(font_maps, 0);
 }
 
 TEST_F(Captions, AreLightOnADarkRoundedBackground) {
