@@ -1,5 +1,11 @@
 // What an appliance left on its disk for its next start. The first byte chooses the file.
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "pipeline/install/camera_drift/drift_reference.hpp"
+#include "pipeline/kiosk/start/file_hash.hpp"
+#include "pipeline/kiosk/start/remembered_layer.hpp"
 #include "pipeline/kiosk/start/remembered_state.hpp"
 #include "tests/fuzz/scratch.hpp"
 
@@ -17,6 +23,20 @@ kasumi::LandmarkWatch watch_of_one() {
   wood.distance_m = 3000.0;
   wood.surface = {20, 150, 40, 10};
   return {camera, 0.0, {wood}};
+}
+
+// With the hash that it should end its first line with: without it nothing else would be read.
+std::vector<std::uint8_t> with_hash(std::span<const std::uint8_t> bytes) {
+  const auto end = std::ranges::find(bytes, std::uint8_t{'\n'});
+  const std::string head(bytes.begin(), end);
+  const auto texels = bytes.subspan(end == bytes.end() ? bytes.size() : head.size() + 1);
+  kasumi::FileHash hash;
+  hash.add(head);
+  hash.add(texels);
+  const std::string line = head + " " + hash.hex() + "\n";
+  std::vector<std::uint8_t> whole(line.begin(), line.end());
+  whole.insert(whole.end(), texels.begin(), texels.end());
+  return whole;
 }
 
 }  // namespace
@@ -38,6 +58,12 @@ void kasumi::try_input(std::span<const std::uint8_t> input) {
       static const LandmarkWatch fresh = watch_of_one();
       LandmarkWatch watch = fresh;
       expect_value_or_sentence(resume(watch, scratch.folder()));
+      break;
+    }
+    case 'b': {
+      scratch.file("layer.bin", with_hash(rest));
+      static const Content content;
+      expect_value_or_sentence(load_layer(content, scratch.folder(), Utc{}));
       break;
     }
     default: {
