@@ -113,7 +113,10 @@ namespace {
 
 Result<std::shared_ptr<Fonts>> read_fonts(const std::optional<std::filesystem::path>& file) {
   auto fonts = std::make_shared<Fonts>();
-  fonts->config.reset(FcInitLoadConfigAndFonts());
+  // Here rather than in a thread that Pango begins for it with the first map: two threads that read the files of fontconfig
+  // at once have ended other programs.
+  FcInit();
+  fonts->config.reset(file ? FcInitLoadConfigAndFonts() : FcConfigReference(nullptr));
   if (!fonts->config) return fail(FaultKind::unsupported, "fontconfig cannot be initialised");
   if (file) {
     auto copy = copy_in_memory(*file);
