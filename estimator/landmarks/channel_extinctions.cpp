@@ -78,6 +78,13 @@ bool look_alike(const std::vector<ContrastReading>& one, const std::vector<Contr
   return count > 0 && squares < kAlike * count;
 }
 
+std::array<glm::dvec3, 3> shape_of(const Response& response) {
+  const auto full = response.to_light(glm::dvec3{1.0});
+  std::array<glm::dvec3, 3> shape;
+  for (int i = 0; i < 3; ++i) shape[static_cast<std::size_t>(i)] = response.to_light(glm::dvec3{0.25 * (i + 1)}) / full;
+  return shape;
+}
+
 }  // namespace
 
 std::string_view name_of(Agreement agreement) {
@@ -109,6 +116,7 @@ glm::dvec3 model_extinction_per_m(const AttenuationNodes& nodes, ScatteringModel
 LandmarkWatch::LandmarkWatch(const Camera& camera, double altitude_m, std::vector<ContrastLandmark> landmarks,
                              const ContrastSpread& spread, ScatteringModel model)
     : landmarks_(std::move(landmarks)),
+      response_(shape_of(camera.response)),
       altitude_m_(altitude_m),
       spread_(spread),
       model_(model),

@@ -80,6 +80,9 @@ class LandmarkWatch {
   // shows what the last one does stands in its place: an unchanged scene is one reading.
   void learn(const std::vector<ContrastReading>& readings, std::optional<double> day = {});
   const std::vector<KeptReadings>& kept() const { return kept_; }
+  // The camera's response at a quarter, half and three quarters of full scale, in units of it. By another response the
+  // same picture has other contrasts.
+  const std::array<glm::dvec3, 3>& response() const { return response_; }
   // Continues with what was kept. false, with nothing changed, if it is of other landmarks.
   bool resume(std::vector<KeptReadings> kept);
   // Solves all pictures of one camera together, then estimates each with constants learnt from the others. `left_out`:
@@ -107,6 +110,7 @@ class LandmarkWatch {
   ChannelExtinctions with_turbidity(std::array<Extinction, 3> channels, PathAerosol aerosol) const;
 
   std::vector<ContrastLandmark> landmarks_;
+  std::array<glm::dvec3, 3> response_;
   double altitude_m_;
   ContrastSpread spread_;
   ScatteringModel model_;

@@ -1,5 +1,6 @@
 #include "pipeline/kiosk/start/remembered_state.hpp"
 
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -35,6 +36,13 @@ std::vector<std::string> identities_of(const std::vector<ContrastLandmark>& land
   for (const auto& one : landmarks)
     all.push_back(fmt::format("{} at {:.1f} m, {:.1f} m up, {} against {}, sky {}", one.name, one.distance_m,
                               one.rise_m, text_of(one.surface), text_of(one.against), text_of(one.sky)));
+  return all;
+}
+
+Json json_of(const std::array<glm::dvec3, 3>& response) {
+  Json all = Json::array();
+  for (const auto& light : response)
+    for (int c = 0; c < 3; ++c) all.push_back(std::round(1e4 * light[c]) / 1e4);
   return all;
 }
 
@@ -181,7 +189,9 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
 }
 
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
-  Json json = {{"landmarks", identities_of(watch.landmarks())}, {"kept", Json::array()}};
+  Json json = {{"landmarks", identities_of(watch.landmarks())},
+               {"response", json_of(watch.response())},
+               {"kept", Json::array()}};
   for (const auto& kept : watch.kept()) json["kept"].push_back(json_of(kept));
   if (auto written = update_text_file(landmark_file(folder), json.dump() + "\n"); !written)
     return fail(written.error());
@@ -202,6 +212,11 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   if (json["landmarks"] != Json(identities_of(watch.landmarks())))
     return fail(FaultKind::bad_input, "{}: saved for other landmarks than configured; learning their contrasts again",
                 file.string());
+  if (json.contains("response") && json["response"] != json_of(watch.response()))  // older files do not have it
+    return fail(
+        FaultKind::bad_input,
+        "{}: saved before the scene camera's response was calibrated anew; learning the landmarks' contrasts again",
+        file.string());
   if (!json.contains("kept") || !json["kept"].is_array()) return damaged();
   std::vector<KeptReadings> all;
   for (const auto& one : json["kept"]) {

@@ -38,8 +38,8 @@ Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder)
 
 // The readings of landmarks that are kept, into folder/landmarks.json. Error: io.
 Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder);
-// false: nothing was saved there. Errors: bad_input (saved for landmarks at other places or distances, or not
-// written by save()), io; the watch then stays unchanged.
+// false: nothing was saved there. Errors: bad_input (saved for landmarks at other places or distances or by another
+// response of the camera, or not written by save()), io; the watch then stays unchanged.
 Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder);
 
 }  // namespace kasumi

@@ -265,9 +265,15 @@ TEST_F(VisibilityLoopTest, LandmarkPropertiesSurviveARestart) {
 
   start(landmark_tables(), folder);
   supply_picture(3.0);
-  auto damaged = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
+  const auto kept = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
+  auto damaged = kept, calibrated = kept, older = kept;
   damaged["kept"][0]["readings"][0][1] = "grey";
-  for (const auto& text : {damaged.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
+  calibrated["response"][4] = calibrated["response"][4].get<double>() + 0.01;  // the scene camera's, since then
+  older.erase("response");
+  ASSERT_TRUE(write_text_file(folder / "landmarks.json", older.dump()));
+  start(landmark_tables(), folder);
+  EXPECT_LT(sigma_of_one_picture(3.0), 0.99 * at_first);
+  for (const auto& text : {damaged.dump(), calibrated.dump(), std::string("{\"landmarks\": 3"), std::string()}) {
     ASSERT_TRUE(write_text_file(folder / "landmarks.json", text));
     start(landmark_tables(), folder);
     EXPECT_NEAR(sigma_of_one_picture(3.0) / at_first, 1.0, 0.02) << text;
