@@ -1,19 +1,14 @@
 #include <vector>
 
-#include "base/picture_files/jpeg_errors.hpp"
+#include "base/picture_files/jpeg_input.hpp"
 #include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
 
 namespace {
 
-class JpegChecker {
+class JpegChecker : JpegInput {
  public:
-  JpegChecker() { info_.err = errors_.manager(); }
-  JpegChecker(const JpegChecker&) = delete;
-  JpegChecker& operator=(const JpegChecker&) = delete;
-  ~JpegChecker() { jpeg_destroy_decompress(&info_); }
-
   Result<> check(std::span<const std::uint8_t> bytes);
 
  private:
@@ -26,18 +21,13 @@ class JpegChecker {
     return info_.output_height == 0 ? 0 : info_.output_scanline * info_.image_height / info_.output_height;
   }
 
-  JpegErrors errors_;
-  jpeg_decompress_struct info_{};
   std::vector<std::uint8_t> samples_;
   JSAMPROW line_ = nullptr;
   bool several_scans_ = false;
 };
 
 Result<> JpegChecker::check(std::span<const std::uint8_t> bytes) {
-  if (!errors_.guard([&] {
-        jpeg_create_decompress(&info_);
-        jpeg_mem_src(&info_, bytes.data(), bytes.size());
-        jpeg_read_header(&info_, TRUE);
+  if (!read_header(bytes) || !errors_.guard([&] {
         // All of the code is read, and as little as possible is made of it.
         info_.scale_num = 1;
         info_.scale_denom = 8;

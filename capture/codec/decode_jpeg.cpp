@@ -1,20 +1,15 @@
 #include <array>
 #include <optional>
 
-#include "base/picture_files/jpeg_errors.hpp"
+#include "base/picture_files/jpeg_input.hpp"
 #include "capture/codec/jpeg.hpp"
 
 namespace kasumi {
 
 namespace {
 
-class JpegReader {
+class JpegReader : JpegInput {
  public:
-  JpegReader() { info_.err = errors_.manager(); }
-  JpegReader(const JpegReader&) = delete;
-  JpegReader& operator=(const JpegReader&) = delete;
-  ~JpegReader() { jpeg_destroy_decompress(&info_); }
-
   Result<JpegPlanes> read(std::span<const std::uint8_t> bytes, int width, int height);
 
  private:
@@ -25,9 +20,6 @@ class JpegReader {
   JpegSteps steps() const;
   void read_planes(const PictureView& view, std::uint8_t* samples);
   tl::unexpected<Fault> damaged() const { return fail(FaultKind::bad_input, "damaged JPEG: {}", errors_.message()); }
-
-  JpegErrors errors_;
-  jpeg_decompress_struct info_{};
 };
 
 // ffmpeg writes 4:4:4 as 1x2,1x2,1x2 and 4:2:2 as 2x2,1x2,1x2, so only the ratios count.
@@ -72,12 +64,7 @@ JpegSteps JpegReader::steps() const {
 }
 
 Result<JpegPlanes> JpegReader::read(std::span<const std::uint8_t> bytes, int width, int height) {
-  if (!errors_.guard([&] {
-        jpeg_create_decompress(&info_);
-        jpeg_mem_src(&info_, bytes.data(), bytes.size());
-        jpeg_read_header(&info_, TRUE);
-      }))
-    return damaged();
+  if (!read_header(bytes)) return damaged();
   if (info_.image_width != static_cast<JDIMENSION>(width) || info_.image_height != static_cast<JDIMENSION>(height))
     return fail(FaultKind::bad_input, "JPEG size {}x{}: expected {}x{}", info_.image_width, info_.image_height, width,
                 height);

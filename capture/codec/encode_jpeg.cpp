@@ -1,6 +1,6 @@
 #include <cstdlib>
 
-#include "base/picture_files/jpeg_errors.hpp"
+#include "base/picture_files/jpeg_input.hpp"
 #include "capture/codec/encode.hpp"
 
 namespace kasumi {

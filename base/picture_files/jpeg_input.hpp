@@ -1,8 +1,12 @@
-// Turns libjpeg's errors, whose handler must not return, into messages. Only for the .cpp files that use libjpeg.
+// What readers of JPEGs share: libjpeg's errors, whose handler must not return, become messages. Only for the .cpp files that
+// use libjpeg.
 #pragma once
 
 #include <csetjmp>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>  // jpeglib.h needs it and does not include it
+#include <span>
 #include <string>
 
 #include <jerror.h>
@@ -56,6 +60,35 @@ class JpegErrors {
   jpeg_error_mgr base_{};  // first, so that libjpeg's pointer to it is a pointer to this
   std::jmp_buf jump_{};
   char message_[JMSG_LENGTH_MAX] = "";
+};
+
+// One JPEG that is read.
+class JpegInput {
+ public:
+  explicit JpegInput(JpegDamage damage = JpegDamage::is_an_error) : errors_(damage) { info_.err = errors_.manager(); }
+  JpegInput(const JpegInput&) = delete;
+  JpegInput& operator=(const JpegInput&) = delete;
+  ~JpegInput() { jpeg_destroy_decompress(&info_); }
+
+ protected:
+  bool read_header(std::span<const std::uint8_t> bytes) {
+    return errors_.guard([&] {
+      jpeg_create_decompress(&info_);
+      jpeg_mem_src(&info_, bytes.data(), bytes.size());
+      jpeg_read_header(&info_, TRUE);
+    });
+  }
+  // To be guarded. The rows that are left, at their place in `samples`.
+  void read_rows(std::uint8_t* samples) {
+    const std::size_t row_bytes = std::size_t{info_.output_width} * static_cast<std::size_t>(info_.output_components);
+    while (info_.output_scanline < info_.output_height) {
+      JSAMPROW row = samples + row_bytes * info_.output_scanline;
+      jpeg_read_scanlines(&info_, &row, 1);
+    }
+  }
+
+  JpegErrors errors_;
+  jpeg_decompress_struct info_{};
 };
 
 }  // namespace kasumi
