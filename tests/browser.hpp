@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/places.hpp"
 
 namespace kasumi {
@@ -49,7 +50,7 @@ inline nlohmann::json seen_by_axe(const std::filesystem::path& folder, std::stri
   const auto dom = read_text_file(folder / "dom.html").value_or("");
   const auto from = dom.find("RESULT"), to = dom.find("END</pre>");
   EXPECT_NE(from, std::string::npos) << dom.substr(0, 400);
-  return from == std::string::npos ? nlohmann::json() : nlohmann::json::parse(dom.substr(from + 6, to - from - 6));
+  return from == std::string::npos ? nlohmann::json() : parse_json(dom.substr(from + 6, to - from - 6));
 }
 
 }  // namespace kasumi

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "calib/colour/spectral_sensitivity.hpp"
 
 namespace kasumi {
@@ -100,7 +101,7 @@ std::vector<Row> read_csv(const std::string& text, Problems& problems) {
 
 // spectral_data.index.main names the channels, spectral_data.data.main has their values by wavelength.
 std::vector<Row> read_rawtoaces(const std::string& text, Problems& problems) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = parse_json(text);
   if (json.is_discarded()) {
     problems.add("not valid JSON");
     return {};

@@ -9,6 +9,7 @@
 
 #include "base/finite_number.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 
 namespace kasumi {
 namespace {
@@ -142,7 +143,7 @@ Result<KeyFile> KeyFile::parse_xml(const std::string& text) {
 }
 
 Result<KeyFile> KeyFile::parse_json(const std::string& text) {
-  const auto json = nlohmann::json::parse(modest_json(text), nullptr, false);
+  const auto json = kasumi::parse_json(modest_json(text));
   if (!json.is_object()) return fail(FaultKind::bad_input, "not JSON");
   KeyFile file;
   std::size_t numbers = 0;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "gles/model/gltf_extensions.hpp"
 #include "gles/model/gltf_values.hpp"
 #include "gles/model/other_models.hpp"
@@ -147,7 +148,7 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name,
     return fail(FaultKind::bad_input, "{}: JSON of more than {} values", name, most_values);
   if (const int depth = json_depth(json); depth > kDeepest)
     return fail(FaultKind::bad_input, "{}: JSON nested {} deep: expected {} at most", name, depth, kDeepest);
-  const auto document = nlohmann::json::parse(json, nullptr, false);
+  const auto document = parse_json(json);
   const auto other_than = [&](std::string_view expected) {
     const auto other = other_model(json, name);
     return fmt::format("{}: {}", name, other.empty() ? expected : other);
@@ -191,14 +192,14 @@ Result<GltfClaims> check_gltf_json(std::string_view json, std::string_view name,
 }
 
 std::string mended_json(std::string_view json) {
-  auto document = nlohmann::json::parse(json, nullptr, false);
+  auto document = parse_json(json);
   if (!document.is_object()) return std::string(json);
   if (document.contains("buffers") && document["buffers"].is_array())
     for (auto& buffer : document["buffers"])
       if (is_hollow(buffer)) buffer = {{"byteLength", 1}, {"uri", "data:application/octet-stream;base64,AA=="}};
   each_data_uri(document, [](nlohmann::json& of, std::string known) { of["uri"] = std::move(known); });
   each_without_indices(document, [](nlohmann::json& primitive) { primitive.erase("indices"); });
-  return document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return text_of_json(document);
 }
 
 }  // namespace kasumi

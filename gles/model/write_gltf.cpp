@@ -9,6 +9,8 @@
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
+
 namespace kasumi {
 namespace {
 
@@ -58,7 +60,7 @@ class GltfWriter {
     for (const auto& extension : extensions_) file_["extensionsUsed"].push_back(extension);
     file_["buffers"] = {{{"byteLength", buffer_.size()}}};
     if (text) file_["buffers"][0]["uri"] = "data:application/octet-stream;base64," + base64(buffer_);
-    std::string words = file_.dump(-1, ' ', false, json::error_handler_t::replace);
+    std::string words = text_of_json(file_);
     if (text) return {words.begin(), words.end()};
     words.resize((words.size() + 3) / 4 * 4, ' ');
     std::vector<std::uint8_t> made;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/machine/running_appliance.hpp"
 
 namespace kasumi {
@@ -20,7 +21,7 @@ constexpr auto kLookInterval = 100ms;
 
 // Of a reload that began after `asked`, on the clock that the machine's processes share. Empty: none has ended yet.
 std::optional<std::vector<std::string>> problems_since(Instant asked, const std::string& status) {
-  const auto json = nlohmann::json::parse(modest_json(status), nullptr, false);
+  const auto json = parse_json(modest_json(status));
   const auto content = json.is_object() ? json.value("content", nlohmann::json()) : nlohmann::json();
   if (!content.is_object() || !content.contains("reload_began_s") || !content["reload_began_s"].is_number())
     return std::nullopt;

@@ -9,6 +9,7 @@
 
 #include "base/files.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 
 namespace kasumi {
 
@@ -29,7 +30,7 @@ std::optional<RunningAppliance> find_running_appliance(const std::filesystem::pa
   if (!std::filesystem::is_regular_file(status_file, error)) return std::nullopt;
   RunningAppliance running;
   running.status = read_text_file(status_file, kSmallFile).value_or("");
-  const auto json = nlohmann::json::parse(modest_json(running.status), nullptr, false);
+  const auto json = parse_json(modest_json(running.status));
   if (!json.is_object() || !json.contains("pid") || !json["pid"].is_number_integer()) return std::nullopt;
   running.pid = json["pid"].get<int>();
   // The process id may belong to another program by now.

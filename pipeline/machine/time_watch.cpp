@@ -15,6 +15,7 @@
 #include "base/files.hpp"
 #include "base/outside/abandonable.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/outside/this_boot.hpp"
 #include "base/unique_fd.hpp"
 #include "pipeline/machine/timedated.hpp"
@@ -119,7 +120,7 @@ class RememberedTrust final : public TimeWatch {
 
   static std::optional<double> load(const std::filesystem::path& file, const BootTime& boot) {
     const auto text = read_text_file(file, kSmallFile);
-    const auto json = text ? nlohmann::json::parse(modest_json(*text), nullptr, false) : nlohmann::json();
+    const auto json = text ? parse_json(modest_json(*text)) : nlohmann::json();
     if (!json.is_object() || boot.id.empty() || json.value("boot", nlohmann::json()) != boot.id) return std::nullopt;
     const auto offset = json.value("offset_s", nlohmann::json());
     if (!offset.is_number() || !(std::abs(offset.get<double>() - offset_s(boot)) <= kSlewWhileDown_s))
@@ -130,7 +131,7 @@ class RememberedTrust final : public TimeWatch {
   void save() {
     const double offset = offset_s(boot_);
     if (saved_s_ && std::abs(*saved_s_ - offset) <= kSlewBeforeSaving_s) return;
-    const auto text = nlohmann::json{{"boot", boot_.id}, {"offset_s", offset}}.dump() + "\n";
+    const auto text = text_of_json(nlohmann::json{{"boot", boot_.id}, {"offset_s", offset}}) + "\n";
     const auto written = changing_.within(kFileDeadline, [file = file_, text] { return write_text_file(file, text); });
     if (!written) return;  // later
     saved_s_ = offset;

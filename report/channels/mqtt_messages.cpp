@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/status/status_figures.hpp"
 #include "base/words/texts.hpp"
 #include "report/diagnosis/diagnosis.hpp"
@@ -16,7 +17,7 @@ using Message = nlohmann::ordered_json;
 constexpr std::size_t kMostTopicBytes = 128;
 
 std::string text_of(const Message& message) {
-  return message.dump(-1, ' ', false, Message::error_handler_t::replace);
+  return text_of_json(message);
 }
 
 // Letters, digits and lines: what Home Assistant takes in a topic and an entity's name.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi::report {
@@ -177,7 +178,7 @@ Result<ReportedStatus> parse_status(std::string_view text) {
     return fail(FaultKind::bad_input, "the status has {} bytes: expected at most {}", text.size(), kMostStatusBytes);
   if (json_depth(text) > kDeepestStatus)
     return fail(FaultKind::bad_input, "the status is nested more than {} deep", kDeepestStatus);
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parse_json(text);
   if (!json.is_object()) return fail(FaultKind::bad_input, "the status is no JSON object");
   const Part root(json);
   ReportedStatus told;

@@ -17,6 +17,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "tests/house/repository.hpp"
 
 namespace kasumi::house {
@@ -46,7 +47,7 @@ std::vector<nlohmann::json> types_in(const Texts& texts) {
   if (std::system(command.c_str()) != 0) return {};
   std::vector<nlohmann::json> types;
   for (const auto& line : lines_of(read_text_file(folder / "tags").value()))
-    if (auto tag = nlohmann::json::parse(line); tag["_type"] == "tag") types.push_back(std::move(tag));
+    if (auto tag = parse_json(line); tag["_type"] == "tag") types.push_back(std::move(tag));
   std::filesystem::remove_all(folder);
   return types;
 }

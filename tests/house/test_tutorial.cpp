@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "tests/house/document_code.hpp"
 
 namespace {
@@ -78,7 +79,7 @@ std::map<std::string, std::string> commands_by_source() {
   const auto listed = kasumi::read_text_file(kasumi::kasumi_program().parent_path() / "compile_commands.json").value();
   const auto root = kasumi::source_folder().string() + "/";
   std::map<std::string, std::string> commands;
-  for (const auto& one : nlohmann::json::parse(listed)) {
+  for (const auto& one : parse_json(listed)) {
     const std::string file = one["file"], command = one["command"];
     if (file.find("/unity/") == std::string::npos) {
       if (file.starts_with(root)) commands[file.substr(root.size())] = command;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/paper/report/section.hpp"
 #include "tests/places.hpp"
 
@@ -36,9 +37,8 @@ Report made_in_a_hurry() {
   const ReportOptions options{.shared_data = shared_data_folder(), .quick = true};
   const auto sections = all_sections(options);
   EXPECT_TRUE(write_report(folder, sections, options));
-  Report report{{},
-                read_text_file(folder / "index.html").value(),
-                nlohmann::json::parse(read_text_file(folder / "figures.json").value())};
+  Report report{
+      {}, read_text_file(folder / "index.html").value(), parse_json(read_text_file(folder / "figures.json").value())};
   for (const auto& section : sections) report.ids.push_back(section.id());
   return report;
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
@@ -34,7 +35,7 @@ std::filesystem::path EstimateCommand::sky;
 
 TEST_F(EstimateCommand, JsonHasEveryDocumentedKey) {
   const auto outcome = ended(0, run_kasumi("estimate --json " + camera + " " + sky.string()));
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   for (const char* key : {"turbidity", "sigma", "usable", "reason", "sky", "clear_fraction", "samples", "sky_model",
                           "sun_zenith_deg", "sun_azimuth_deg", "aod_550", "sigma_aod_550", "angstrom_exponent",
                           "sigma_angstrom", "aerosol", "models", "visibility_m", "weather"})
@@ -53,7 +54,7 @@ TEST_F(EstimateCommand, TheRequestedSkyModelIsFitted) {
                                        {"--sky-model automatic --altitude-m 1600", "preetham"}}) {
     const auto outcome = run_kasumi(fmt::format("estimate --json {} {} {}", options, camera, sky.string()));
     ASSERT_LE(outcome.code, 1) << outcome.err;  // the dome may say that this is no sky of its own
-    EXPECT_EQ(nlohmann::json::parse(outcome.out)["sky_model"], model) << options;
+    EXPECT_EQ(parse_json(outcome.out)["sky_model"], model) << options;
   }
   EXPECT_THAT(
       ended(2, run_kasumi("estimate --sky-model dome --method reference-pixel " + camera + " " + sky.string())).err,
@@ -63,7 +64,7 @@ TEST_F(EstimateCommand, TheRequestedSkyModelIsFitted) {
 TEST_F(EstimateCommand, AGivenKindIsFittedByTheDome) {
   const auto outcome = run_kasumi("estimate --json --sky-model dome --aerosol maritime " + camera + " " + sky.string());
   ASSERT_LE(outcome.code, 1) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_EQ(json["sky_model"], "dome");
   if (json["usable"]) {
     EXPECT_EQ(json["aerosol"], "maritime");
@@ -82,7 +83,7 @@ TEST_F(EstimateCommand, HosekAndWilkiesSkyIsAskedAloneOrBesideTheOthers) {
     const auto outcome = run_kasumi(fmt::format("estimate --json --sky-model {}{} --plot-dir {} {} {}", model,
                                                 data.string(), sky.parent_path().string(), camera, sky.string()));
     EXPECT_LE(outcome.code, 1) << outcome.err;
-    return nlohmann::json::parse(outcome.out);
+    return parse_json(outcome.out);
   };
   const auto alone = of("hosek:");
   EXPECT_EQ(alone["sky_model"], "hosek");
@@ -111,7 +112,7 @@ TEST_F(EstimateCommand, AnUnknownSkyModelIsRefused) {
 TEST_F(EstimateCommand, ThePapersWayKeepsToThePapersSky) {
   const auto of = [&](const std::string& options) {
     const auto outcome = ended(0, run_kasumi("estimate --json " + options + " " + camera + " " + sky.string()));
-    return nlohmann::json::parse(outcome.out);
+    return parse_json(outcome.out);
   };
   const auto papers = of("--method reference-pixel"), same = of("--method reference-pixel --sky-model preetham");
   EXPECT_EQ(papers, same);
@@ -148,7 +149,7 @@ TEST_F(EstimateCommand, WhereNothingIsUsableTheExitCodeIsOneAndSaysWhy) {
   ASSERT_TRUE(write_png(black, Image<Rgb8>(400, 400)));
   const auto outcome = ended(1, run_kasumi("estimate --json " + camera + " " + black.string()));
   EXPECT_THAT(outcome.err, HasSubstr("the picture does not determine the air: "));
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_FALSE(json["usable"]);
   EXPECT_FALSE(json["reason"].get<std::string>().empty());
   EXPECT_TRUE(json["turbidity"].is_null());
@@ -173,7 +174,7 @@ TEST_F(EstimateCommand, HalfAJpegIsRefusedOrToldOf) {
   EXPECT_THAT(refused.err, HasSubstr("half.jpg: damaged JPEG"));
   const auto told = run_kasumi(options + " --allow-damaged");
   EXPECT_NE(told.code, 2) << told.err;
-  EXPECT_THAT(nlohmann::json::parse(told.out)["damaged"].get<std::string>(), HasSubstr("rows are whole"));
+  EXPECT_THAT(parse_json(told.out)["damaged"].get<std::string>(), HasSubstr("rows are whole"));
 
   const auto out = (test_folder("command") / "half.png").string();
   const auto retarget =
@@ -199,7 +200,7 @@ TEST(EstimateDemo, ASunFromTheImageIsNearOrRefused) {
     std::vector<nlohmann::json> found;
     const auto outcome = run_kasumi(fmt::format("estimate --json {} {}/sky/*.jpg", options, demo));
     std::istringstream lines(outcome.out);
-    for (std::string line; std::getline(lines, line);) found.push_back(nlohmann::json::parse(line));
+    for (std::string line; std::getline(lines, line);) found.push_back(parse_json(line));
     EXPECT_EQ(found.size(), 6u) << outcome.err;
     return found;
   };

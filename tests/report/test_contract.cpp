@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "report/diagnosis/diagnosis.hpp"
@@ -110,7 +111,7 @@ TEST(ReportContract, EveryFigureOfTheTableIsWrittenAndBelieved) {
   status.heat.zone = ThermalZone{.name = "cpu", .celsius = 88.0};
   status.start.emplace();
   status.render.visitor.emplace().presses.fill(2);
-  const auto json = nlohmann::json::parse(status_json(status));
+  const auto json = parse_json(status_json(status));
   const auto seen = told(status);
   const auto written = [&](std::string key) -> nlohmann::json {
     std::ranges::replace(key, '.', '/');

@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/report/mqtt_broker.hpp"
@@ -92,11 +93,11 @@ class Relay {
   Relay(const Site& from, const Site& to, const CheckStatus& check) {
     Status status;
     status.check = check;
-    auto found = nlohmann::ordered_json::parse(status_json(status))["check"];
+    auto found = parse_ordered_json(status_json(status))["check"];
     thread_ = std::jthread([file = from.folder / "status.json", to = to.folder / "status.json",
                             found = std::move(found)](const std::stop_token& stop) {
       for (; !stop.stop_requested(); std::this_thread::sleep_for(500ms)) {
-        auto json = nlohmann::ordered_json::parse(read_text_file(file).value_or(""), nullptr, false);
+        auto json = parse_ordered_json(read_text_file(file).value_or(""));
         if (!json.is_object()) continue;
         json["check"] = found;
         (void)write_text_file(to, json.dump());
@@ -151,7 +152,7 @@ TEST(Fleet, AnOperatorFarAwayLearnsWhatIsWrongAndWhere) {
     return fd && sent(fd, request) && heard_from(fd).find("\"alertname\":\"" + name + "\"") != std::string::npos;
   };
   const auto state = [&](const std::string& name) {
-    const auto json = nlohmann::json::parse(broker.retained("kasumi/" + name + "/state", 2), nullptr, false);
+    const auto json = parse_json(broker.retained("kasumi/" + name + "/state", 2));
     return json.is_object() ? json : nlohmann::json::object();
   };
   const auto sees = [&](const std::string& name, const std::string& sight) {

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "report/channels/mqtt_channel.hpp"
 #include "report/channels/mqtt_messages.hpp"
 #include "tests/report/certificates.hpp"
@@ -25,7 +26,7 @@ std::string mqtt_table(const MqttBroker& broker, const std::string& more = "tls 
 
 // An empty object for what is none.
 nlohmann::json json_of(const std::string& text) {
-  auto json = nlohmann::json::parse(text, nullptr, false);
+  auto json = parse_json(text);
   return json.is_object() ? json : nlohmann::json::object();
 }
 

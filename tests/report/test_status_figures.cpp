@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/words/texts.hpp"
 #include "report/channels/metrics.hpp"
 #include "report/channels/mqtt_messages.hpp"
@@ -69,7 +70,7 @@ void expect_metric(const std::string& text, const StatusFigure& figure, const st
 
 void expect_state(const Heard& heard, const StatusFigure& figure, const std::optional<double>& value) {
   if (figure.mqtt.empty()) return;
-  const auto state = Json::parse(mqtt_state(heard, Language::english));
+  const auto state = parse_json(mqtt_state(heard, Language::english));
   const auto& is = state.at(std::string(figure.mqtt));
   const auto wanted = figure.believed.kind == FigureKind::number ? Json(value.value_or(0.0)) : Json(value == 1.0);
   EXPECT_EQ(is, value ? wanted : Json());
@@ -156,7 +157,7 @@ TEST(StatusFigures, HomeAssistantFindsTheOnesWithAName) {
     const auto found = std::ranges::find(messages, topic, &MqttMessage::topic);
     EXPECT_EQ(found != messages.end(), !figure.shown.text.empty());
     if (found == messages.end()) continue;
-    const auto entity = Json::parse(found->payload);
+    const auto entity = parse_json(found->payload);
     EXPECT_EQ(entity["name"], text_of(figure.shown.text, Language::english));
     EXPECT_EQ(entity["value_template"], fmt::format("{{{{ value_json.{} }}}}", figure.mqtt));
     EXPECT_EQ(entity.value("unit_of_measurement", "1"), figure.shown.unit);

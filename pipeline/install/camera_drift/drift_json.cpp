@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -31,7 +32,7 @@ std::string drift_json(const DriftReport& report) {
   json["reference_utc"] = date(report.reference);
   json["summary"] = drift_summary(report);
   json["findings"] = findings_json(report);
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return text_of_json(json, 2) + "\n";
 }
 
 }  // namespace kasumi

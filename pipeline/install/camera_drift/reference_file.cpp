@@ -5,6 +5,7 @@
 
 #include "base/files.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/install/camera_drift/drift_reference.hpp"
 #include "pipeline/install/camera_drift/reference_pictures.hpp"
@@ -142,7 +143,7 @@ Result<> save_reference(const DriftReference& reference, const std::filesystem::
     json[keys->darkest] = json_of((*view)->darkest);
   }
   if (reference.dome) json["dome_shade"] = json_of(reference.dome->steps);
-  if (auto written = write_text_file(reference_file(stem), json.dump(1) + "\n"); !written) return written;
+  if (auto written = write_text_file(reference_file(stem), text_of_json(json, 1) + "\n"); !written) return written;
   return remove_kept_pictures(stem);
 }
 
@@ -152,7 +153,7 @@ Result<DriftReference> load_reference(const std::filesystem::path& stem, const I
   if (!std::filesystem::exists(file, error)) return fail(FaultKind::io, "{}: there is no reference yet", file.string());
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(modest_json(*text, 64 << 20), nullptr, false);
+  const auto json = parse_json(modest_json(*text, 64 << 20));
   const auto damaged = [&] {
     return fail(FaultKind::bad_input, "{}: expected a reference that kasumi calibrate check wrote; take a new one",
                 file.string());

@@ -6,6 +6,7 @@
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/outside/this_boot.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/install/camera_drift/drift_json.hpp"
@@ -374,7 +375,7 @@ std::string heat_text(const HeatStatus& heat) {
 }
 
 std::string status_json(const Status& status) {
-  return whole_json(status).dump(2, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return text_of_json(whole_json(status), 2) + "\n";
 }
 
 std::string status_line(const Status& status) {

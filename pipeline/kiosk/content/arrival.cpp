@@ -5,6 +5,7 @@
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -30,15 +31,13 @@ Result<> note_arrival(const std::filesystem::path& content, const Arrival& arriv
                                     {"from", arrival.from},
                                     {"taken", arrival.taken},
                                     {"words", shortened(arrival.words)}};
-  return write_text_file(content / kArrivalFile,
-                         json.dump(1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  return write_text_file(content / kArrivalFile, text_of_json(json, 1) + "\n");
 }
 
 std::optional<Arrival> last_arrival(const std::filesystem::path& content) {
   std::error_code error;
   if (content.empty() || !std::filesystem::is_regular_file(content / kArrivalFile, error)) return std::nullopt;
-  const auto json = nlohmann::json::parse(modest_json(read_text_file(content / kArrivalFile, kSmallFile).value_or("")),
-                                          nullptr, false);
+  const auto json = parse_json(modest_json(read_text_file(content / kArrivalFile, kSmallFile).value_or("")));
   if (!json.is_object()) return std::nullopt;
   const auto text = [&](const char* key) {
     return json.contains(key) && json[key].is_string() ? json[key].get<std::string>() : std::string();

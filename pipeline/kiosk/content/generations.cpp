@@ -14,6 +14,7 @@
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/unfinished_file.hpp"
 #include "base/unique_fd.hpp"
 #include "base/utc_text.hpp"
@@ -57,7 +58,7 @@ std::string words_in(const RecordJson& json, const char* key) {
 }
 
 void read_record(const std::string& text, Generation& generation) {
-  const auto json = RecordJson::parse(modest_json(text), nullptr, false);
+  const auto json = parse_ordered_json(modest_json(text));
   generation.installed = utc_in(json, "installed_utc").value_or(Utc{});
   generation.signed_by = words_in(json, "signed_by");
   generation.proven = utc_in(json, "proven_utc");
@@ -75,14 +76,14 @@ std::string record_text(const Generation& generation) {
     return at ? RecordJson(utc_text(std::chrono::floor<std::chrono::seconds>(*at))) : RecordJson(nullptr);
   };
   const auto& back = generation.went_back;
-  return RecordJson{{"installed_utc", utc(generation.installed)},
-                    {"signed_by", generation.signed_by},
-                    {"failed_before", generation.failed_before},
-                    {"starts", generation.starts},
-                    {"proven_utc", utc(generation.proven)},
-                    {"went_back_utc", utc(back ? std::optional(back->utc) : std::nullopt)},
-                    {"why", back ? back->why : std::string()}}
-             .dump(1, ' ', false, RecordJson::error_handler_t::replace) +
+  return text_of_json(RecordJson{{"installed_utc", utc(generation.installed)},
+                                 {"signed_by", generation.signed_by},
+                                 {"failed_before", generation.failed_before},
+                                 {"starts", generation.starts},
+                                 {"proven_utc", utc(generation.proven)},
+                                 {"went_back_utc", utc(back ? std::optional(back->utc) : std::nullopt)},
+                                 {"why", back ? back->why : std::string()}},
+                      1) +
          "\n";
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/content/digest.hpp"
 
@@ -112,11 +113,11 @@ std::string manifest_text(const Manifest& manifest) {
                     {"configuration", manifest.configuration},
                     {"files", files}};
   if (!manifest.for_kiosks.empty()) json["for"] = manifest.for_kiosks;
-  return json.dump(1, ' ', false, ManifestJson::error_handler_t::replace) + "\n";
+  return text_of_json(json, 1) + "\n";
 }
 
 Result<Manifest> parse_manifest(std::string_view text) try {
-  const auto json = ManifestJson::parse(modest_json(text), nullptr, false);
+  const auto json = parse_ordered_json(modest_json(text));
   if (!json.is_object() || json_text_of(json, "format") != "kasumi-content")
     return fail(FaultKind::bad_input, "{}: not the manifest of a bundle for Kasumi", kManifestName);
   if (!json.contains("version") || json["version"] != 1)

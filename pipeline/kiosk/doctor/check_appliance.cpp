@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 
@@ -37,7 +38,7 @@ double sum(const Json& counts) {
 std::string list_of(const Json& counts) {
   std::string text_list;
   for (const auto& [reason, count] : counts.items())
-    text_list += fmt::format("{}{} {}", text_list.empty() ? "" : ", ", count.dump(), reason);
+    text_list += fmt::format("{}{} {}", text_list.empty() ? "" : ", ", text_of_json(count), reason);
   return text_list;
 }
 
@@ -269,8 +270,7 @@ void check_cards(const Json& status, Findings& findings) {
 
 void check_appliance(const RunConfig& config, const RunningAppliance& before, const RunningAppliance& later,
                      double seconds, Findings& findings) {
-  const auto was = Json::parse(modest_json(before.status), nullptr, false),
-             is = Json::parse(modest_json(later.status), nullptr, false);
+  const auto was = parse_json(modest_json(before.status)), is = parse_json(modest_json(later.status));
   seconds = between(was, is).value_or(seconds);
   if (later.age_s > kStale_s) {
     findings.fail("service", fmt::format("pid {} has not written its status for {:.0f} s", later.pid, later.age_s),
@@ -340,7 +340,7 @@ void check_appliance(const RunConfig& config, const RunningAppliance& before, co
                   "correct what is named; kasumi run --config FILE --check; then sudo systemctl reload kasumi");
   if (const auto problems = part(content, "problems"); problems.is_array() && !problems.empty())
     findings.warn("content.reload",
-                  "the last reload was rejected, the old content is still in use: " + problems.front().dump(),
+                  "the last reload was rejected, the old content is still in use: " + text_of_json(problems.front()),
                   "kasumi run --config FILE --check; then sudo systemctl reload kasumi");
 }
 

@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 
@@ -16,7 +17,7 @@ void check_proof(const std::filesystem::path& state, Utc now, Findings& findings
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return;  // most kiosks have none
   const auto text = read_text_file(file);
-  const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  const auto json = text ? parse_json(*text) : nlohmann::json();
   const auto number = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_number() ? std::optional(json[key].get<double>())
                                                                            : std::nullopt;

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/content/bundle.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
@@ -258,7 +259,7 @@ std::string doctor_json(const Findings& findings, Utc utc) {
                                 {"found", finding.found},
                                 {"advice", finding.advice},
                                 {"values", finding.values}});
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return text_of_json(json, 2) + "\n";
 }
 
 }  // namespace kasumi

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -34,14 +35,14 @@ std::string snapshot_answer(const Snapshot& snapshot) {
                                        {"refused", snapshot.refused},
                                        {"utc", utc_text(std::chrono::floor<std::chrono::seconds>(snapshot.utc))},
                                        {"screen", {snapshot.screen_width, snapshot.screen_height}}};
-  std::string answer = json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  std::string answer = text_of_json(json) + "\n";
   for (const Rgb8& pixel : snapshot.picture.elements())
     for (const std::uint8_t value : {pixel.r, pixel.g, pixel.b}) answer += static_cast<char>(value);
   return answer;
 }
 
 Result<SnapshotHeader> parse_snapshot_header(std::string_view line) try {
-  const auto json = nlohmann::json::parse(modest_json(line));
+  const auto json = parse_json(modest_json(line));
   SnapshotHeader header;
   auto& snapshot = header.snapshot;
   snapshot.kind = json.at("kind").get<std::string>() == "sharp" ? SnapshotKind::sharp : SnapshotKind::blurred;

@@ -8,6 +8,7 @@
 
 #include "base/files.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/table/config_table.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/kiosk/start/file_hash.hpp"
@@ -42,7 +43,7 @@ constexpr const char* kBefore = "before.json";
 Result<Kept> read_kept(const fs::path& note) try {
   const auto text = read_text_file(note, kSmallFile);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(modest_json(*text), nullptr, false);
+  const auto json = parse_json(modest_json(*text));
   const auto string = [](const Json& in, const char* key) {
     return in.is_object() && in.contains(key) && in[key].is_string() ? in[key].get<std::string>() : std::string();
   };
@@ -65,9 +66,7 @@ std::string json_text(const Kept& kept) {
   for (const auto& [file, hash] : kept.files)
     files.push_back(
         {{"path", file.path.string()}, {"bytes", file.bytes}, {"changed_ns", file.changed_ns}, {"hash", hash}});
-  return Json{{"folder", kept.folder}, {"utc", utc_text(kept.utc)}, {"files", files}}.dump(
-             1, ' ', false, Json::error_handler_t::replace) +
-         "\n";
+  return text_of_json(Json{{"folder", kept.folder}, {"utc", utc_text(kept.utc)}, {"files", files}}, 1) + "\n";
 }
 
 // FNV-1a, 64 bits: against what a disk does, not against people.

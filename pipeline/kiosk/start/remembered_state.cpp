@@ -10,6 +10,7 @@
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -150,13 +151,13 @@ Result<> save(const TurbidityState& state, const std::filesystem::path& folder) 
     json["angstrom_exponent"] = state.angstrom_exponent;
   }
   if (state.air) json["air"] = json_of(*state.air);
-  return write_text_file(turbidity_file(folder), json.dump(1) + "\n");
+  return write_text_file(turbidity_file(folder), text_of_json(json, 1) + "\n");
 }
 
 Result<TurbidityState> load_turbidity_state(const std::filesystem::path& folder) {
   const auto text = read_text_file(turbidity_file(folder));
   if (!text) return fail(text.error());
-  const auto json = Json::parse(modest_json(*text), nullptr, false);
+  const auto json = parse_json(modest_json(*text));
   const auto number = [&](const char* key) {
     return json.is_object() && json.contains(key) && json[key].is_number() ? json[key].get<double>() : std::nan("");
   };
@@ -193,7 +194,7 @@ Result<> save(const LandmarkWatch& watch, const std::filesystem::path& folder) {
                {"response", json_of(watch.response())},
                {"kept", Json::array()}};
   for (const auto& kept : watch.kept()) json["kept"].push_back(json_of(kept));
-  if (auto written = update_text_file(landmark_file(folder), json.dump() + "\n"); !written)
+  if (auto written = update_text_file(landmark_file(folder), text_of_json(json) + "\n"); !written)
     return fail(written.error());
   return {};
 }
@@ -204,7 +205,7 @@ Result<bool> resume(LandmarkWatch& watch, const std::filesystem::path& folder) {
   if (!std::filesystem::exists(file, error)) return false;
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(modest_json(*text), nullptr, false);
+  const auto json = parse_json(modest_json(*text));
   const auto damaged = [&] {
     return fail(FaultKind::bad_input, "{}: damaged; learning the landmarks' contrasts again", file.string());
   };

@@ -11,6 +11,7 @@
 #include "base/files.hpp"
 #include "base/outside/abandonable.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 
 namespace kasumi {
 
@@ -31,27 +32,27 @@ std::filesystem::path record_file(const ServiceFolders& folders) {
 }
 
 std::string json_text(const StartRecord& record) {
-  return Json{{"boot", record.boot},
-              {"starts_s", record.starts_s},
-              {"doing", record.doing},
-              {"shown", record.shown},
-              {"well", record.well},
-              {"ended", record.ended},
-              {"mode", kModes[static_cast<std::size_t>(record.mode)]},
-              {"trial", record.trial},
-              {"trials", record.trials},
-              {"failed_boots", record.failed_boots},
-              {"why", record.why},
-              {"unasked", record.unasked},
-              {"hung_openings", record.hung_openings}}
-             .dump(1, ' ', false, Json::error_handler_t::replace) +
+  return text_of_json(Json{{"boot", record.boot},
+                           {"starts_s", record.starts_s},
+                           {"doing", record.doing},
+                           {"shown", record.shown},
+                           {"well", record.well},
+                           {"ended", record.ended},
+                           {"mode", kModes[static_cast<std::size_t>(record.mode)]},
+                           {"trial", record.trial},
+                           {"trials", record.trials},
+                           {"failed_boots", record.failed_boots},
+                           {"why", record.why},
+                           {"unasked", record.unasked},
+                           {"hung_openings", record.hung_openings}},
+                      1) +
          "\n";
 }
 
 // Damaged values are left out: a start is never refused because of them.
 StartRecord record_in(const std::string& text) {
   StartRecord record;
-  const auto json = Json::parse(modest_json(text), nullptr, false);
+  const auto json = parse_json(modest_json(text));
   if (!json.is_object()) return record;
   const auto read = [&](const char* key, auto is, auto& value) {
     if (json.contains(key) && (json[key].*is)()) json[key].get_to(value);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -21,7 +22,7 @@ std::string record_of(nlohmann::ordered_json answer, const std::optional<Utc>& u
                        {"list", place.archive.list},
                        {"options", place.archive.options}};
   // File names need not be UTF-8.
-  return answer.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return text_of_json(answer) + "\n";
 }
 
 }  // namespace
@@ -37,7 +38,7 @@ std::string Fingerprint::text() const {
 
 std::string archive_record(std::string_view answer, const std::optional<Utc>& utc, std::string_view refused,
                            const ArchivePlace& place) {
-  return record_of(nlohmann::ordered_json::parse(answer), utc, refused, place);
+  return record_of(parse_ordered_json(answer), utc, refused, place);
 }
 
 std::string unread_record(const std::string& image, const std::optional<Utc>& utc, const std::string& reason,
@@ -65,7 +66,7 @@ std::optional<ArchivePlace> place_in(std::string_view line) {
       line.find('\0') != std::string_view::npos)
     return std::nullopt;
   const auto begin = at + kPlace.size() - 1;
-  const auto place = nlohmann::json::parse(line.substr(begin, line.size() - begin - 1), nullptr, false);
+  const auto place = parse_json(line.substr(begin, line.size() - begin - 1));
   if (!place.is_object()) return std::nullopt;
   const auto count = [&](const char* key) {
     return place.contains(key) && place[key].is_number_unsigned() ? place[key].get<std::size_t>() : 0;

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -41,7 +42,7 @@ std::string cell_of(const nlohmann::json& answer, const char* pointer) {
   const nlohmann::json::json_pointer place(pointer);
   if (!answer.contains(place) || answer[place].is_null()) return {};
   const auto& value = answer[place];
-  return quoted(value.is_string() ? value.get<std::string>() : value.dump());
+  return quoted(value.is_string() ? value.get<std::string>() : text_of_json(value));
 }
 
 std::string line_of(nlohmann::json answer, const std::optional<Utc>& utc) {
@@ -68,7 +69,7 @@ std::string estimate_csv_header() {
 }
 
 std::string estimate_csv_line(std::string_view answer, const std::optional<Utc>& utc) {
-  return line_of(nlohmann::json::parse(answer), utc);
+  return line_of(parse_json(answer), utc);
 }
 
 std::string estimate_csv_line(const std::string& image, const std::optional<Utc>& utc, const std::string& reason) {

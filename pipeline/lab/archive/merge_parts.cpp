@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/archive/record_lines.hpp"
 
 namespace kasumi {
@@ -84,7 +85,7 @@ Result<> WholeArchive::for_each(
     }
     lines->go_to(place.begin);
     const bool read = lines->next();
-    const auto record = read ? nlohmann::json::parse(lines->line(), nullptr, false) : nlohmann::json();
+    const auto record = read ? parse_json(lines->line()) : nlohmann::json();
     if (!record.is_object() || !record.contains("archive"))
       return fail(FaultKind::bad_input, "{}: picture {} is no JSON: its part is damaged, or changed meanwhile",
                   parts_[open].string(), i + 1);

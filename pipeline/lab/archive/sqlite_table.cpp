@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/c_ptr.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/archive/estimate_csv.hpp"
 
 namespace kasumi {
@@ -84,7 +85,7 @@ class SqliteTable final : public RecordTable {
     else if (value.is_null())
       sqlite3_bind_null(insert, at);
     else {
-      const auto text = value.is_string() ? value.get<std::string>() : value.dump();
+      const auto text = value.is_string() ? value.get<std::string>() : text_of_json(value);
       sqlite3_bind_text(insert, at, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
     }
   }

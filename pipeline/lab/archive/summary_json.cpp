@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/lab/archive/summary_page.hpp"
 
@@ -74,7 +75,7 @@ std::string summary_json(const ArchiveSummary& summary) {
   json["photometer"] = nullptr;
   if (summary.photometer) json["photometer"] = json_of_photometer(*summary.photometer);
   json["months"] = json_of_months(summary.series);
-  return json.dump(2) + "\n";
+  return text_of_json(json, 2) + "\n";
 }
 
 }  // namespace kasumi

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 
 namespace kasumi {
 namespace {
@@ -96,13 +97,13 @@ std::string json_of(const RecordedRun& run) {
                     {"goal", row.goal ? Json(*row.goal) : Json(nullptr)},
                     {"less_is_better", row.less_is_better}});
   const Json json = {{"kasumi", run.version}, {"processor", run.processor}, {"renderer", run.renderer}, {"rows", rows}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of_json(json, 2) + "\n";
 }
 
 Result<RecordedRun> read_recorded_run(const std::filesystem::path& file) {
   const auto text = read_text_file(file);
   if (!text) return fail(text.error());
-  const auto json = Json::parse(*text, nullptr, false);
+  const auto json = parse_ordered_json(*text);
   const auto rows = json.is_object() ? json.find("rows") : json.end();
   if (!json.is_object() || rows == json.end() || !rows->is_array())
     return fail(FaultKind::bad_input, "{}: expected what `kasumi bench --json` writes, an object with \"rows\"",

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/command.hpp"
 #include "pipeline/lab/comparison/pixel_errors.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
@@ -84,7 +85,7 @@ std::string json_of(const ComparedPictures& is, const ComparisonRequest& argumen
        {{"mean", difference.mean}, {"at_95_percent", difference.at_95_percent}, {"largest", difference.largest}}},
       {"mean_error", is.errors.mean_absolute},
       {"largest_error", is.errors.largest}};
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return text_of_json(json) + "\n";
 }
 
 Result<int> compare(const ComparisonRequest& arguments) {

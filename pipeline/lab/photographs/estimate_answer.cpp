@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/lab/photographs/found_air.hpp"
 #include "pipeline/lab/photographs/sky_model_choice.hpp"
@@ -197,8 +198,8 @@ std::string estimate_json(const std::filesystem::path& image, const PhotographRe
     for (const double ratio : report.exposure_ratios) ratios.push_back(rounded(ratio, 3));
     json["stack"] = {{"images", std::move(images)}, {"exposure_ratios", std::move(ratios)}};
   }
-  if (!landmarks.empty()) json["landmarks"] = nlohmann::ordered_json::parse(landmarks);
-  return json.dump() + "\n";
+  if (!landmarks.empty()) json["landmarks"] = parse_ordered_json(landmarks);
+  return text_of_json(json) + "\n";
 }
 
 std::string estimate_text(const std::filesystem::path& image, const PhotographReport& report) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "estimator/landmarks/channel_extinctions.hpp"
 #include "estimator/photograph/other_air.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
@@ -140,7 +141,7 @@ std::string haze_json(const HazeAnswer& answer) {
   json["visibility_m"] = answer.extinction_per_m ? Json(std::round(visibility_m(answer))) : Json(nullptr);
   json["aod_550"] = answer.aod_550 ? Json(rounded_to(*answer.aod_550, 4)) : Json(nullptr);
   json["angstrom_exponent"] = rounded_to(answer.exponent, 3);
-  return json.dump() + "\n";
+  return text_of_json(json) + "\n";
 }
 
 std::string haze_text(const HazeAnswer& answer) {

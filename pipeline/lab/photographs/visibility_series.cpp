@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "estimator/photograph/other_air.hpp"
 #include "pipeline/site/config/descriptions.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
@@ -159,7 +160,7 @@ std::string visibility_json(const LandmarkWatch& watch, const VisibilityReading&
                         {"factor", something ? Json(rounded(check->factor, 4)) : Json(nullptr)},
                         {"sigmas", value ? Json(rounded(check->sigmas, 3)) : Json(nullptr)},
                         {"holds", check->holds}};
-  return json.dump();
+  return text_of_json(json);
 }
 
 std::string visibility_text(const LandmarkWatch& watch, const VisibilityReading& scene,

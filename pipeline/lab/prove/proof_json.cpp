@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 
 namespace kasumi {
@@ -13,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 // The double that prints with so many decimals.
 Json rounded(double value, int decimals) {
-  return std::isfinite(value) ? Json::parse(fmt::format("{:.{}f}", value, decimals)) : Json(nullptr);
+  return std::isfinite(value) ? parse_ordered_json(fmt::format("{:.{}f}", value, decimals)) : Json(nullptr);
 }
 Json by_channel(const glm::dvec3& values, int decimals) {
   return {rounded(values.r, decimals), rounded(values.g, decimals), rounded(values.b, decimals)};
@@ -94,7 +95,7 @@ std::string proof_json(const Proof& proof, const ProofSummary& summary, const st
   json["remarks"] = proof.remarks;
   json["pictures"] = Json::array();
   for (const auto& picture : proof.pictures) json["pictures"].push_back(picture_json(proof, picture));
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of_json(json, 1) + "\n";
 }
 
 std::string remembered_proof(const Proof& proof, const ProofSummary& summary, const std::string& made_utc) {
@@ -104,7 +105,7 @@ std::string remembered_proof(const Proof& proof, const ProofSummary& summary, co
                   {"error_median_255", rounded(summary.ways[0].median_255, 2)},
                   {"error_p95_255", rounded(summary.ways[0].p95_255, 2)},
                   {"no_air_median_255", rounded(summary.ways[1].median_255, 2)}};
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of_json(json, 1) + "\n";
 }
 
 std::string proof_text(const Proof& proof, const ProofSummary& summary) {

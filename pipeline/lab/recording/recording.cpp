@@ -7,6 +7,7 @@
 #include "base/files.hpp"
 #include "base/lasting_file.hpp"
 #include "base/outside/json_depth.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/machine/time_watch.hpp"
 #include "pipeline/site/config/run_config.hpp"
@@ -31,7 +32,7 @@ std::set<std::filesystem::path> companions_of(const std::filesystem::path& model
   std::set<std::filesystem::path> found;
   if (model.extension() != ".gltf") return found;
   const auto text = read_text_file(model);
-  const auto json = nlohmann::json::parse(modest_json(text.value_or(""), 256 << 20, 100), nullptr, false);
+  const auto json = parse_json(modest_json(text.value_or(""), 256 << 20, 100));
   if (!json.is_object()) return found;
   for (const char* list : {"buffers", "images"}) {
     if (!json.contains(list) || !json[list].is_array()) continue;

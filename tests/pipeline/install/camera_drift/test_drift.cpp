@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "capture/fixture/replay_source.hpp"
 #include "pipeline/install/camera_drift/drift.hpp"
 #include "pipeline/install/camera_drift/drift_gather.hpp"
@@ -231,7 +232,7 @@ TEST(Drift, TheCommandTakesAReferenceThenComparesAndSetsItsExitCode) {
 
   outcome = call(bumped, "--json");
   EXPECT_EQ(outcome.code, 1) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out, nullptr, false);
+  const auto json = parse_json(outcome.out);
   ASSERT_TRUE(json.is_object()) << outcome.out;
   EXPECT_EQ(json["well"], false);
   const auto& view = json["findings"][0];
@@ -278,7 +279,7 @@ TEST(Drift, AReferenceWithPicturesBecomesOneWithout) {
   const auto stem = fresh_folder("drift-pictures") / "calibration";
   ASSERT_TRUE(save_reference(reference(), stem));
   const auto file = stem.string() + ".check.json";
-  auto json = nlohmann::json::parse(read_text_file(file).value());
+  auto json = parse_json(read_text_file(file).value());
   json["check_reference"] = 1;
   for (const char* key : {"scene_lines", "scene_darkest", "sky_lines", "sky_darkest", "dome_shade"}) json.erase(key);
   ASSERT_TRUE(write_text_file(file, json.dump()));

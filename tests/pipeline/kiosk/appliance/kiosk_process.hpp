@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/places.hpp"
 
@@ -117,7 +118,7 @@ inline std::filesystem::path process_folder(const std::string& name) {
 
 inline nlohmann::json status_in(const std::filesystem::path& folder) {
   const auto text = read_text_file(folder / "status.json");
-  return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  return text ? parse_json(*text) : nlohmann::json();
 }
 
 }  // namespace kasumi

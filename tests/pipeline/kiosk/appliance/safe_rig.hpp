@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/appliance/safe_mode.hpp"
 #include "pipeline/kiosk/start/safe_content.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
@@ -39,7 +40,7 @@ struct SafeRig {
     const auto seen = read_picture(*safe->display());
     return seen ? std::optional(seen->at(2, 2)) : std::nullopt;
   }
-  nlohmann::json status() const { return nlohmann::json::parse(read_text_file(folder / "status.json").value()); }
+  nlohmann::json status() const { return parse_json(read_text_file(folder / "status.json").value()); }
 
   std::filesystem::path folder, config;
   ManualClock clock;

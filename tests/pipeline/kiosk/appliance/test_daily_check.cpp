@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "capture/fixture/fixture.hpp"
 #include "capture/fixture/replay_source.hpp"
 #include "pipeline/install/camera_drift/drift_reference.hpp"
@@ -32,7 +33,7 @@ RigOptions checked(const std::string& name, const std::string& time = "03:00") {
 
 nlohmann::json check_status(Rig& rig) {
   rig.status();
-  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["check"];
+  return parse_json(read_text_file(rig.folder / "status.json").value())["check"];
 }
 
 // The reference: the bench's scene camera before it was tilted down by half a degree.
@@ -102,7 +103,7 @@ TEST(DailyCheck, NoPictureIsLeftByADayWithTheCheck) {
   files.erase("history.txt");  // numbers and words, a line a minute
   files.erase("layer.bin");    // the building alone: the same after other pictures (LayersOfBefore)
   EXPECT_THAT(files, testing::Each(testing::EndsWith(".json")));
-  EXPECT_EQ(nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["recording"], false);
+  EXPECT_EQ(parse_json(read_text_file(rig.folder / "status.json").value())["recording"], false);
 }
 
 TEST(DailyCheck, ABumpedCameraIsReportedWithItsTurnAndThePictureGoesOn) {

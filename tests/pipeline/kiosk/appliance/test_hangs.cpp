@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "tests/pipeline/kiosk/appliance/journal.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
@@ -20,7 +21,7 @@ using testing::Not;
 
 nlohmann::json status_json_of(const Rig& rig) {
   rig.status();
-  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value());
+  return parse_json(read_text_file(rig.folder / "status.json").value());
 }
 
 Finding doctor_says(const Rig& rig, const std::string& check) {
@@ -170,7 +171,7 @@ TEST(Appliance, Row30ACameraThatHangsAtEveryOpeningRestsOverRestarts) {
     ASSERT_TRUE(rig.advance_until([&] { return rig.devices.scene.trap.caught(); }, 30s)) << "it is tried again";
     const auto on_disk = [&] {
       const auto text = read_text_file(state / "starts.json");  // not there before a picture is shown, or 5 s are over
-      return text ? nlohmann::json::parse(*text)["hung_openings"].value("scene", 0) : 0;
+      return text ? parse_json(*text)["hung_openings"].value("scene", 0) : 0;
     };
     rig.advance(29s, kLongStep);
     EXPECT_EQ(on_disk(), times) << "it may be slow";

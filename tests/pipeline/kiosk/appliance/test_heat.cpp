@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/machine/heat.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
@@ -52,7 +53,7 @@ double share_shown(Rig& rig, Duration during) {
 
 nlohmann::json heat_of(const Rig& rig) {
   rig.status();
-  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["heat"];
+  return parse_json(read_text_file(rig.folder / "status.json").value())["heat"];
 }
 
 TEST(Appliance, Row25AMachineThatIsTooHotShowsFewerPictures) {

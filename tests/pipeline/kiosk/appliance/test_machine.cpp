@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "capture/codec/encode.hpp"
 #include "pipeline/kiosk/start/remembered_state.hpp"
 #include "pipeline/machine/camera_acceptance.hpp"
@@ -303,8 +304,8 @@ TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) 
   ASSERT_TRUE(nobody.status().sky.report.air);
   EXPECT_TRUE(nobody.status().sky.report.air->supposed);
   EXPECT_THAT(status_line(nobody.status()), testing::HasSubstr("the air is supposed"));
-  EXPECT_EQ(nlohmann::json::parse(status_json(nobody.status()))["air"]["supposed"], true);
-  EXPECT_TRUE(nlohmann::json::parse(status_json(nobody.status()))["turbidity"].is_null());
+  EXPECT_EQ(parse_json(status_json(nobody.status()))["air"]["supposed"], true);
+  EXPECT_TRUE(parse_json(status_json(nobody.status()))["turbidity"].is_null());
 
   Rig rig({.name = "landmarks",
            .more_config = "\n[[landmarks]]\nname = \"wood\"\ndistance_m = 3000\nregion_px = [20, 150, 40, 10]\n",
@@ -313,7 +314,7 @@ TEST(Appliance, Row29UnderAClosedSkyLandmarksCarryTheAirAndWithoutItIsSupposed) 
   ASSERT_TRUE(rig.status().visibility.air) << rig.status().visibility.reason;
   const auto& state = rig.status().sky.report.air;
   EXPECT_FALSE(state->supposed) << state->text();
-  const auto json = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["air"];
+  const auto json = parse_json(read_text_file(rig.folder / "status.json").value())["air"];
   EXPECT_EQ(json["observers"][0]["by"], "landmarks");
   EXPECT_EQ(json["supposed"], false);
   for (const char* key :
@@ -406,7 +407,7 @@ TEST(Appliance, ValidContentIsReloadedWithoutAGap) {
 
 TEST(Appliance, TheStatusFileHasEveryDocumentedKey) {
   const auto rig = running({.name = "status"});
-  const auto json = nlohmann::json::parse(read_text_file(rig->folder / "status.json").value());
+  const auto json = parse_json(read_text_file(rig->folder / "status.json").value());
   for (const char* key :
        {"shown", "reason", "display", "scene_camera", "sky_camera", "turbidity", "sigma", "turbidity_age_s", "sky",
         "clock_trusted", "recording", "air", "latency_ms", "pictures", "pid", "since_utc"})
@@ -524,7 +525,7 @@ TEST(Appliance, NoPictureOfVisitorsIsKept) {
   rig->advance(10s);
   EXPECT_EQ(files(), before) << "status.json and the state, written over and over";
   EXPECT_LE(std::filesystem::file_size(rig->folder / "state" / "turbidity.json"), 1000u);
-  EXPECT_EQ(nlohmann::json::parse(read_text_file(rig->folder / "status.json").value())["recording"], false);
+  EXPECT_EQ(parse_json(read_text_file(rig->folder / "status.json").value())["recording"], false);
 }
 
 // By the same rule as the appliance: what it would never show is not called valid on the desk.

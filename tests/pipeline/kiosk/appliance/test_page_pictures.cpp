@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/picture_files/picture_file.hpp"
 #include "base/socket/local_socket.hpp"
 #include "base/socket/screen_answer.hpp"
@@ -101,7 +102,7 @@ TEST(PagePicture, ThereIsNoSocketUnlessItIsAllowed) {
   rig.advance(1s);
   rig.appliance->snapshot().step();
   EXPECT_FALSE(std::filesystem::exists(screen_socket(rig.folder)));
-  EXPECT_FALSE(nlohmann::json::parse(status_json(rig.status()))["screen_picture"]["allowed"].get<bool>());
+  EXPECT_FALSE(parse_json(status_json(rig.status()))["screen_picture"]["allowed"].get<bool>());
 }
 
 TEST(PagePicture, IsWhatTheGlassShowsAndVisitorsAreTold) {
@@ -127,7 +128,7 @@ TEST(PagePicture, IsWhatTheGlassShowsAndVisitorsAreTold) {
   EXPECT_TRUE(told()) << "and for some seconds after";
   rig->advance(2s);
   EXPECT_FALSE(told());
-  const auto status = nlohmann::json::parse(status_json(rig->status()))["screen_picture"];
+  const auto status = parse_json(status_json(rig->status()))["screen_picture"];
   EXPECT_TRUE(status["allowed"].get<bool>());
   EXPECT_EQ(status["taken"], 1);
   EXPECT_EQ(status["last_utc"], utc_text(answer->utc));

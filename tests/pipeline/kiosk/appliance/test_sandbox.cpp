@@ -20,6 +20,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/appliance/kiosk_process.hpp"
 #include "tests/places.hpp"
 
@@ -118,7 +119,7 @@ TEST(Sandbox, TheDailyCheckStepsBehindAllOthersAndThePictureIsLive) {
   }
   const auto shown = [&] {
     const auto text = read_text_file(folder / "status.json");
-    const auto json = text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+    const auto json = text ? parse_json(*text) : nlohmann::json();
     return json.is_object() ? json["shown"].get<std::string>() : std::string();
   };
   for (int i = 0; i < 600 && shown() != "live"; ++i) std::this_thread::sleep_for(100ms);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/must.hpp"
@@ -24,7 +25,7 @@ constexpr auto kDay = sys_days{June / 21 / 2026};
 
 nlohmann::json status_of(const Rig& rig) {
   rig.status();
-  return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value());
+  return parse_json(read_text_file(rig.folder / "status.json").value());
 }
 
 constexpr const char* kTwoEras =

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "estimator/air/attenuation.hpp"
 #include "pipeline/kiosk/appliance/status.hpp"
 #include "pipeline/kiosk/appliance/visibility_loop.hpp"
@@ -78,7 +79,7 @@ std::filesystem::path VisibilityCommand::folder;
 
 TEST_F(VisibilityCommand, ReportsTheVisibilityOfAPicture) {
   const auto outcome = ended(0, run_kasumi(estimate_command("scenes/1.png")));
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_EQ(json["visibility"], "value");
   EXPECT_NEAR(json["visibility_m"].get<double>() / meteorological_range_m(Turbidity{3.0}, 0.0), 1.0, 0.1);
   EXPECT_NEAR(json["optical_range_m"].get<double>() / json["visibility_m"].get<double>(), 0.7658, 1e-3);
@@ -92,8 +93,7 @@ TEST_F(VisibilityCommand, TakesAFolder) {
   const auto outcome = ended(0, run_kasumi(estimate_command("scenes")));
   std::istringstream lines(outcome.out);
   std::vector<double> turbidities;
-  for (std::string line; std::getline(lines, line);)
-    turbidities.push_back(nlohmann::json::parse(line)["turbidity"].get<double>());
+  for (std::string line; std::getline(lines, line);) turbidities.push_back(parse_json(line)["turbidity"].get<double>());
   ASSERT_EQ(turbidities.size(), 2U);
   EXPECT_NEAR(turbidities[0] / 3.0, 1.0, 0.15);
   EXPECT_NEAR(turbidities[1] / 6.0, 1.0, 0.15);
@@ -105,14 +105,14 @@ TEST_F(VisibilityCommand, IsReportedNextToTheSkysOwnAndNotMixedWithIt) {
   const auto alone = run_kasumi("estimate --json " + sky);
   const auto same = ended(0, run_kasumi(estimate_command("scenes/1.png") + sky)),
              other = ended(0, run_kasumi(estimate_command("scenes/2.png") + sky));
-  auto json = nlohmann::json::parse(same.out);
+  auto json = parse_json(same.out);
   EXPECT_EQ(json["landmarks"]["sky"]["agreement"], "agrees") << json["landmarks"]["sky"].dump();
   EXPECT_LT(json["landmarks"]["sky"]["sigmas"].get<double>(), 1.0);
-  json = nlohmann::json::parse(other.out);
+  json = parse_json(other.out);
   // Air of T 3 in the sky and of 6 on the way: one picture of each is sure of no more.
   EXPECT_GT(json["landmarks"]["sky"]["sigmas"].get<double>(), 2.0) << json["landmarks"]["sky"].dump();
   json.erase("landmarks");
-  EXPECT_EQ(json, nlohmann::json::parse(alone.out)) << "the sky's estimate is unchanged";
+  EXPECT_EQ(json, parse_json(alone.out)) << "the sky's estimate is unchanged";
 }
 
 TEST_F(VisibilityCommand, ReportsAllProblemsOfTheLandmarks) {
@@ -181,7 +181,7 @@ class VisibilityLoopTest : public testing::Test {
   nlohmann::json reported() {
     Status status;
     status.visibility = latest;
-    return nlohmann::json::parse(status_json(status))["visibility"];
+    return parse_json(status_json(status))["visibility"];
   }
   ManualClock clock;
   Mailboxes mailboxes;
@@ -265,7 +265,7 @@ TEST_F(VisibilityLoopTest, LandmarkPropertiesSurviveARestart) {
 
   start(landmark_tables(), folder);
   supply_picture(3.0);
-  const auto kept = nlohmann::json::parse(read_text_file(folder / "landmarks.json").value());
+  const auto kept = parse_json(read_text_file(folder / "landmarks.json").value());
   auto damaged = kept, calibrated = kept, older = kept;
   damaged["kept"][0]["readings"][0][1] = "grey";
   calibrated["response"][4] = calibrated["response"][4].get<double>() + 0.01;  // the scene camera's, since then

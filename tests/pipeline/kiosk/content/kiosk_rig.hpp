@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/content/desk.hpp"
 
 namespace kasumi {
@@ -41,7 +42,7 @@ struct KioskRig : Rig {
     appliance->status().step();
     return status_json(appliance->status().status());
   }
-  nlohmann::json content() { return nlohmann::json::parse(status())["content"]; }
+  nlohmann::json content() { return parse_json(status())["content"]; }
   std::filesystem::path desk;
   Generations generations;
   ContentPlace place;

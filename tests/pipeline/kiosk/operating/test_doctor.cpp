@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/operating/simulated_machine.hpp"
 #include "tests/pipeline/machine/fake_input.hpp"
 
@@ -231,8 +232,7 @@ TEST(Doctor, ExaminesAStoppedKioskByOpeningItsDevices) {
   for (const auto& finding : findings.all())
     EXPECT_EQ(finding.advice.empty(), finding.grade == Grade::good) << finding.check;
 
-  const auto json =
-      nlohmann::json::parse(doctor_json(findings, std::chrono::sys_days{std::chrono::year{2026} / 6 / 21}));
+  const auto json = parse_json(doctor_json(findings, std::chrono::sys_days{std::chrono::year{2026} / 6 / 21}));
   EXPECT_EQ(json["findings"].size(), findings.all().size());
   EXPECT_EQ(json["utc"], "2026-06-21T00:00:00Z");
   for (const auto& finding : json["findings"])

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/visitor/visitor_presses.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/kiosk/visitor/visited_kiosk.hpp"
@@ -72,7 +73,7 @@ TEST(Visitor, Row52ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
     rig.advance(2s);
     EXPECT_GE(rig.status().render.scene_frames, pictures + 9U) << "of 10 in two seconds";
     EXPECT_GT(difference(rig.picture(), plain, 60, 260), 0.05) << "the other device works";
-    const auto visitor = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["visitor"];
+    const auto visitor = parse_json(read_text_file(rig.folder / "status.json").value())["visitor"];
     EXPECT_EQ(visitor["devices"][0]["up"], false);
     EXPECT_THAT(visitor["devices"][0]["problem"].get<std::string>(), HasSubstr("hung: its driver has not answered"));
     EXPECT_EQ(visitor["devices"][1]["up"], true);
@@ -80,7 +81,7 @@ TEST(Visitor, Row52ADeviceWhoseDriverHangsStopsNeitherPicturesNorOtherDevices) {
     rig.devices.input.devices[hangs].*where = [] {};
     rig.advance(2s);
     rig.status();
-    const auto after = nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["visitor"];
+    const auto after = parse_json(read_text_file(rig.folder / "status.json").value())["visitor"];
     EXPECT_EQ(after["devices"][0]["up"], true) << after["devices"][0]["problem"];
   }
 }

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/kiosk/visitor/visited_kiosk.hpp"
 #include "tests/places.hpp"
@@ -128,7 +129,7 @@ TEST(Visitor, AnEraThatCannotBeShownKeepsNoOtherAway) {
   };
   const auto content = [&] {
     rig.status();
-    return nlohmann::json::parse(read_text_file(rig.folder / "status.json").value())["content"];
+    return parse_json(read_text_file(rig.folder / "status.json").value())["content"];
   };
   rig.devices.input.devices[kPanel] = {};
   rig.advance(12s);

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "tests/pipeline/kiosk/appliance/rig.hpp"
 #include "tests/pipeline/recorded.hpp"
 #include "tests/places.hpp"
@@ -55,7 +56,7 @@ struct VisitedKiosk {
   }
   nlohmann::json status() {
     rig->status();
-    return nlohmann::json::parse(read_text_file(rig->folder / "status.json").value());
+    return parse_json(read_text_file(rig->folder / "status.json").value());
   }
   std::unique_ptr<Rig> rig;
 };

@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "calib/light/radiometry.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/must.hpp"
@@ -85,7 +86,7 @@ TEST_F(ArchiveCommand, ARecordIsTheAnswerOfJsonWithItsPlace) {
   std::string record_line, answer_line;
   int number = 0, unread = 0;
   while (std::getline(records, record_line)) {
-    auto record = nlohmann::json::parse(record_line);
+    auto record = parse_json(record_line);
     EXPECT_EQ(record["archive"]["picture"], ++number);
     EXPECT_EQ(record["archive"]["of"], kPictures);
     EXPECT_EQ(record["utc"], fmt::format("2026-10-20T0{}:{:02}:00Z", 6 + (number - 1) / 12, (number - 1) % 12));
@@ -98,7 +99,7 @@ TEST_F(ArchiveCommand, ARecordIsTheAnswerOfJsonWithItsPlace) {
     EXPECT_EQ(record["refused"].is_null(), record["usable"].get<bool>());
     for (const char* key : {"archive", "utc", "refused"}) record.erase(key);
     ASSERT_TRUE(std::getline(answers, answer_line));
-    EXPECT_EQ(record, nlohmann::json::parse(answer_line));
+    EXPECT_EQ(record, parse_json(answer_line));
   }
   EXPECT_EQ(number, kPictures);
   EXPECT_EQ(unread, 1);
@@ -186,8 +187,8 @@ TEST_F(ArchiveCommand, TimesAreInNamesOfFilesAndFolders) {
   std::string first, second;
   std::getline(lines, first);
   std::getline(lines, second);
-  EXPECT_EQ(nlohmann::json::parse(first)["utc"], "2026-10-20T06:10:00Z");
-  EXPECT_THAT(nlohmann::json::parse(second)["reason"].get<std::string>(), HasSubstr("no time like %Y/%m/%d/%H%M"));
+  EXPECT_EQ(parse_json(first)["utc"], "2026-10-20T06:10:00Z");
+  EXPECT_THAT(parse_json(second)["reason"].get<std::string>(), HasSubstr("no time like %Y/%m/%d/%H%M"));
 }
 
 // Of a camera that nobody calibrated each shard must know the same.
@@ -239,7 +240,7 @@ TEST_F(ArchiveCommand, PicturesOfATarFileAnswerAsTheyDoUnpacked) {
   std::string file, member;
   int lines = 0;
   while (std::getline(of_files, file) && std::getline(of_members, member)) {
-    auto one = nlohmann::json::parse(file), other = nlohmann::json::parse(member);
+    auto one = parse_json(file), other = parse_json(member);
     EXPECT_EQ(other["image"],
               (lines < 4 ? in("1.tar:") : in("2.zip:")) + fmt::format("day/20261020_06{:02}.jpg", lines));
     for (auto* record : {&one, &other}) {
@@ -315,9 +316,9 @@ TEST_F(ArchiveCommand, ExposuresOfOneSkyAreOnePicture) {
   ASSERT_EQ(shard("all.jsonl", "--shard 1/1").code, 0);
   std::vector<nlohmann::json> records;
   std::istringstream lines(text("all.jsonl"));
-  for (std::string line; std::getline(lines, line);) records.push_back(nlohmann::json::parse(line));
+  for (std::string line; std::getline(lines, line);) records.push_back(parse_json(line));
   ASSERT_EQ(records.size(), 6u);
-  const auto alone = nlohmann::json::parse(estimate(frame(0) + " --utc 2026-10-20T06:10:00Z --json").out);
+  const auto alone = parse_json(estimate(frame(0) + " --utc 2026-10-20T06:10:00Z --json").out);
   EXPECT_NEAR(records[0]["aod_550"].get<double>(), alone["aod_550"].get<double>(),
               alone["sigma_aod_550"].get<double>() / 3.0);
   ASSERT_EQ(records[0]["stack"]["images"].size(), 3u);
@@ -333,7 +334,7 @@ TEST_F(ArchiveCommand, ExposuresOfOneSkyAreOnePicture) {
   }
   for (const char* exposure : {"0.2", "4"}) {
     const auto answer = estimate(fmt::format("{} --utc 2026-10-20T06:10:00Z --json", in(exposure) + ".png"));
-    EXPECT_FALSE(nlohmann::json::parse(answer.out)["usable"]) << exposure;
+    EXPECT_FALSE(parse_json(answer.out)["usable"]) << exposure;
   }
   // Shards that cut the stack.
   std::string parts;
@@ -376,7 +377,7 @@ TEST_F(ArchiveCommand, TimeAndPlaceMayBeTheFiles) {
   ASSERT_EQ(by_file.code, 0) << by_file.err;
   const auto given = run_kasumi("estimate " + in("sky.fits") + options +
                                 " --lat 34.21 --lon 135.59 --altitude-m 980 --utc 2026-10-20T06:10:00Z");
-  auto one = nlohmann::json::parse(by_file.out), other = nlohmann::json::parse(given.out);
+  auto one = parse_json(by_file.out), other = parse_json(given.out);
   EXPECT_EQ(one["taken"]["by"], "FITS header");
   EXPECT_EQ(one["taken"]["utc"], "2026-10-20T06:10:00Z");
   EXPECT_EQ(one["taken"]["altitude_m"], 980.0);
@@ -387,9 +388,9 @@ TEST_F(ArchiveCommand, TimeAndPlaceMayBeTheFiles) {
   EXPECT_EQ(one, other);
   const auto elsewhere = run_kasumi("estimate " + in("sky.fits") + options + " --lat 36.21 --lon 135.59");
   EXPECT_THAT(elsewhere.err, HasSubstr("of another place than the one given, which is followed: "));
-  EXPECT_NEAR(nlohmann::json::parse(elsewhere.out)["taken"]["off_km"].get<double>(), 222.4, 0.5);
+  EXPECT_NEAR(parse_json(elsewhere.out)["taken"]["off_km"].get<double>(), 222.4, 0.5);
   ASSERT_EQ(run_kasumi("estimate " + in("sky.fits") + " --shard 1/1 --out " + in("part.jsonl")).code, 0);
-  EXPECT_EQ(nlohmann::json::parse(text("part.jsonl"))["utc"], "2026-10-20T06:10:00Z");
+  EXPECT_EQ(parse_json(text("part.jsonl"))["utc"], "2026-10-20T06:10:00Z");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/archive/archive_figures.hpp"
 #include "pipeline/lab/archive/archive_plots.hpp"
 #include "pipeline/lab/archive/record_table.hpp"
@@ -66,8 +67,8 @@ class Summary : public testing::Test {
   static constexpr std::size_t kDays = 40;
   void SetUp() override {
     for (std::size_t i = 1; i <= 144 * kDays; ++i) {
-      figures.add(nlohmann::json::parse(made.record(i)));
-      series.add(nlohmann::json::parse(made.record(i)));
+      figures.add(parse_json(made.record(i)));
+      series.add(parse_json(made.record(i)));
     }
   }
   const MadeArchive made{144 * kDays};
@@ -139,7 +140,7 @@ class Table : public testing::Test {
     for (std::size_t i = 1; i <= 1000; ++i) {
       auto line = made.record(i);
       line.pop_back();
-      EXPECT_TRUE((*table)->add(line, nlohmann::json::parse(line)));
+      EXPECT_TRUE((*table)->add(line, parse_json(line)));
     }
     EXPECT_TRUE((*table)->finish());
     return path;

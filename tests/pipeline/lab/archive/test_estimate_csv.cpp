@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/lab/archive/estimate_csv.hpp"
 #include "tests/must.hpp"
@@ -97,7 +98,7 @@ TEST(EstimateCsv, TheCommandWritesALineForEachPictureAsItsJsonSays) {
   EXPECT_EQ(rows[1][0], (folder / "broken.png").string());
   EXPECT_EQ(rows[1][2], "false");
   EXPECT_THAT(rows[1][18], HasSubstr("broken.png"));
-  const auto json = nlohmann::json::parse(objects.out);
+  const auto json = parse_json(objects.out);
   EXPECT_EQ(rows[2][0], frame.string());
   EXPECT_EQ(rows[2][1], "2026-10-20T06:10:00Z");
   for (std::size_t column = 2; column < 9; ++column) EXPECT_EQ(rows[2][column], json[rows[0][column]].dump());

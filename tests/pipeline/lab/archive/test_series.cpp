@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "pipeline/lab/archive/series_figures.hpp"
 #include "pipeline/lab/archive/summary_page.hpp"
@@ -167,7 +168,7 @@ TEST_F(SeriesPage, HoldsTrendWeatherPhotometerAndDrift) {
   EXPECT_THAT(page, AllOf(HasSubstr("<h2>Trend</h2>"), HasSubstr("Weatherhead 1998"),
                           HasSubstr("<h2>Gaps by weather</h2>"), HasSubstr("2026-02: 3.10"),
                           HasSubstr("degrees between the sun seen"), HasSubstr("bias +0.020, RMSE 0.024")));
-  const auto json = nlohmann::json::parse(summary_json(summary));
+  const auto json = parse_json(summary_json(summary));
   const double per_year = json["trend_aod_550"]["per_year"], sigma = json["trend_aod_550"]["sigma_per_year"];
   EXPECT_NEAR(per_year, made.per_year, 3.0 * sigma);
   EXPECT_THAT(page, HasSubstr(fmt::format("changes by {:+.4f} &#177; {:.4f} a year", per_year, sigma)));

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/must.hpp"
@@ -40,7 +41,7 @@ class CompareCommand : public testing::Test {
 
 TEST_F(CompareCommand, SaysHowAlikeTwoPicturesAre) {
   const auto outcome = ended(0, compare("one", "other", "--json"));
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_EQ(json["pixels"], 1200);
   EXPECT_FALSE(json["equal"]);
   EXPECT_NEAR(json["mean_error"].get<double>(), 1.0, 1e-4) << "6 steps of one channel of three in half the picture";
@@ -55,7 +56,7 @@ TEST_F(CompareCommand, SaysHowAlikeTwoPicturesAre) {
 
 TEST_F(CompareCommand, UnderAMaskOnlyItsWhiteCounts) {
   const auto outcome = ended(0, compare("one", "other", "--json --mask " + at("half")));
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_EQ(json["pixels"], 600);
   EXPECT_TRUE(json["equal"]);
   EXPECT_TRUE(json["psnr_db"].is_null());
@@ -71,7 +72,7 @@ TEST_F(CompareCommand, SixteenBitsAreSeen) {
   for (auto& pixel : fine.encoded.elements()) pixel += 0.25F / 255.0F;
   ASSERT_TRUE(write_photograph(at("finer"), fine));
   const auto outcome = ended(0, compare("fine", "finer", "--json"));
-  EXPECT_NEAR(nlohmann::json::parse(outcome.out)["mean_error"].get<double>(), 0.25, 0.01);
+  EXPECT_NEAR(parse_json(outcome.out)["mean_error"].get<double>(), 0.25, 0.01);
 }
 
 TEST_F(CompareCommand, WhatCannotBeComparedIsRefused) {

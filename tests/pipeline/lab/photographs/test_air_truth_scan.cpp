@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "calib/colour/colorimetry.hpp"
 #include "estimator/sky/dome.hpp"
 #include "pipeline/lab/photographs/scan_readings.hpp"
@@ -78,7 +79,7 @@ TEST(MeasuredScans, NineOfTenAreAcceptedAndTheDaysAreTold) {
       const auto file = kind == "spectra" ? scan.file : in_other_columns(scan.file, kind == "XYZ");
       const auto outcome = run_kasumi(fmt::format("estimate --json {} --scan {}", scan.sun, file.string()));
       ASSERT_LE(outcome.code, 1) << outcome.err;
-      const auto json = nlohmann::json::parse(outcome.out);
+      const auto json = parse_json(outcome.out);
       if (!json["usable"]) {
         fmt::print("{} {}: {}\n", scan.name, columns, json["reason"].get<std::string>());
         continue;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "base/statistics.hpp"
 #include "pipeline/site/files/contact_sheet.hpp"
 #include "tests/estimator/sky_camera/labelled_skies.hpp"
@@ -57,7 +58,7 @@ std::map<std::string, Json> answers_to(const std::vector<LabelledSky>& skies) {
   std::map<std::string, Json> answers;
   std::istringstream lines(outcome.out);
   for (std::string line; std::getline(lines, line);) {
-    auto json = Json::parse(line);
+    auto json = parse_json(line);
     const std::filesystem::path image = json["image"].get<std::string>();
     answers[image.filename().string()] = std::move(json);
   }

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "base/utc_text.hpp"
 #include "capture/fixture/fixture.hpp"
 #include "pipeline/lab/photographs/estimate_inputs.hpp"
@@ -183,7 +184,7 @@ TEST_F(GivenInputs, TheCommandTellsAllThatIsMissingInOneMessageAndAnswersTheRest
   EXPECT_EQ(outcome.err, fmt::format("kasumi: {}: no such file or folder\n{}: a folder without any picture\n{}/*.gif: "
                                      "no file matches\n",
                                      in("none.png"), in("empty"), folder.string()));
-  EXPECT_EQ(nlohmann::json::parse(outcome.out)["image"], frame);
+  EXPECT_EQ(parse_json(outcome.out)["image"], frame);
   const auto nothing = ended(2, run_kasumi("estimate --sun-from-image " + in("none.png") + " " + in("empty")));
   EXPECT_EQ(nothing.out, "");
   EXPECT_THAT(nothing.err, testing::AllOf(HasSubstr("none.png"), HasSubstr("without any picture")));

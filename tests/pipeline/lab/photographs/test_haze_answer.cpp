@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/photographs/haze_answer.hpp"
 #include "pipeline/site/files/photograph_file.hpp"
 #include "tests/environment.hpp"
@@ -29,7 +30,7 @@ TEST(HazeAnswer, SaysColourDepthAndExtinctionOfThePicture) {
   const auto outcome =
       run_kasumi(fmt::format("estimate --haze {} --part 100,245,300,10 --distance-m {} --json", picture, distance_m));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_TRUE(json["told"].get<bool>()) << json["reason"];
   EXPECT_NEAR(json["angstrom_exponent"].get<double>(), 0.0, 0.3);
   const double sigma_per_m = json["sigma_per_m"];

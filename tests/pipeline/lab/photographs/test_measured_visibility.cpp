@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/photographs/measured_visibility.hpp"
 #include "pipeline/lab/photographs/visibility_series.hpp"
 #include "tests/environment.hpp"
@@ -81,7 +82,7 @@ TEST(MeasuredVisibility, OfTheMeadowOfDeBiltIsComparedByOneCommand) {
   std::istringstream lines(outcome.out);
   int values = 0, bounds = 0, nothing = 0, within_factor = 0, within_sigmas = 0;
   for (std::string line; std::getline(lines, line);) {
-    const auto json = nlohmann::json::parse(line);
+    const auto json = parse_json(line);
     const auto& measured = json["measured"];
     ASSERT_FALSE(measured.is_null()) << json["scene"];
     if (json["visibility"] == "nothing") {

@@ -1,4 +1,5 @@
 // A sky scanner's table in place of a picture: what is read of it, what is refused, and what the real command answers.
+#include "base/outside/json_text.hpp"
 #include "pipeline/lab/photographs/scan_readings.hpp"
 
 #include <chrono>
@@ -80,7 +81,7 @@ nlohmann::json answer_to(const std::string& options, const std::filesystem::path
     ADD_FAILURE() << outcome.err;
     return {};
   }
-  const auto json = nlohmann::json::parse(outcome.out);
+  const auto json = parse_json(outcome.out);
   EXPECT_EQ(outcome.code, json["usable"] ? 0 : 1) << outcome.err;
   return json;
 }
@@ -304,7 +305,7 @@ TEST(ScanCommand, TheOthersAreAnsweredWhenOneTableIsDamaged) {
       run_kasumi(fmt::format("estimate --json {} --scan {} --scan {}", kSun, bad.string(), good.string()));
   EXPECT_EQ(outcome.code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("bad.csv:1: column elevation_deg is missing"));
-  EXPECT_EQ(nlohmann::json::parse(outcome.out)["image"], good.string());
+  EXPECT_EQ(parse_json(outcome.out)["image"], good.string());
 }
 
 TEST(ScanCommand, TheSunFollowsFromTimeAndPlace) {

@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "base/files.hpp"
+#include "base/outside/json_text.hpp"
 #include "pipeline/kiosk/doctor/checks.hpp"
 #include "pipeline/lab/prove/proof_json.hpp"
 #include "tests/must.hpp"
@@ -93,7 +94,7 @@ TEST(Prove, WritesAPageASheetAndNumbers) {
   EXPECT_THAT(page, HasSubstr("data:image/png;base64,"));
   EXPECT_THAT(page, testing::Not(HasSubstr("<script")));
   EXPECT_TRUE(std::filesystem::exists(out / "sheet.png"));
-  const auto json = nlohmann::json::parse(read_text_file(out / "proof.json").value());
+  const auto json = parse_json(read_text_file(out / "proof.json").value());
   EXPECT_EQ(json["part"], "abbey");
   EXPECT_LT(json["errors"]["told"]["error_median_255"], json["errors"]["no_air"]["error_median_255"]);
   EXPECT_EQ(json["pictures"].size(), series().pictures.size());
