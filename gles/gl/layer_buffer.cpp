@@ -1,7 +1,5 @@
 #include "gles/gl/layer_buffer.hpp"
 
-#include <array>
-
 #include "gles/gl/gl.hpp"
 #include "gles/gl/program.hpp"
 #include "gles/gl/texture_units.hpp"
@@ -56,10 +54,13 @@ Result<Image<glm::u8vec4>> read_pixels(const LayerBuffer& buffer, int width, int
 }
 
 void draw_square() {
-  constexpr std::array<float, 8> kCorners{-1, -1, 1, -1, -1, 1, 1, 1};
+  draw_corners({-1, -1, 1, -1, -1, 1, 1, 1});
+}
+
+void draw_corners(const std::array<float, 8>& corners) {
   glBindBuffer(GL_ARRAY_BUFFER, 0);
   glEnableVertexAttribArray(kPosition);
-  glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, kCorners.data());
+  glVertexAttribPointer(kPosition, 2, GL_FLOAT, GL_FALSE, 0, corners.data());
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   glDisableVertexAttribArray(kPosition);
 }

@@ -1,6 +1,8 @@
 // A render target of the object's layer that the next pass samples.
 #pragma once
 
+#include <array>
+
 #include <glm/gtc/type_precision.hpp>
 
 #include "base/image.hpp"
@@ -25,5 +27,7 @@ Result<Image<glm::u8vec4>> read_pixels(const LayerBuffer& buffer, int width, int
 
 // Fills the viewport, for programs with square.vert or resolve.vert.
 void draw_square();
+// A quadrilateral: its corners in clip coordinates, as a strip.
+void draw_corners(const std::array<float, 8>& corners);
 
 }  // namespace kasumi

@@ -101,5 +101,9 @@ void Program::set(std::string_view name, std::span<const glm::dvec3> values) con
   const std::vector<glm::vec3> floats(values.begin(), values.end());
   glUniform3fv(place_of(name), static_cast<GLsizei>(floats.size()), glm::value_ptr(floats.front()));
 }
+void Program::set(std::string_view name, std::span<const glm::dvec4> values) const {
+  const std::vector<glm::vec4> floats(values.begin(), values.end());
+  glUniform4fv(place_of(name), static_cast<GLsizei>(floats.size()), glm::value_ptr(floats.front()));
+}
 
 }  // namespace kasumi

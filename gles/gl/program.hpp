@@ -48,6 +48,7 @@ class Program {
   void set(std::string_view name, std::span<const double> values) const;
   void set(std::string_view name, std::span<const glm::dvec2> values) const;
   void set(std::string_view name, std::span<const glm::dvec3> values) const;
+  void set(std::string_view name, std::span<const glm::dvec4> values) const;
 
  private:
   explicit Program(GlProgram program) : program_(std::move(program)) {}

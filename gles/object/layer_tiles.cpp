@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "gles/gl/layer_buffer.hpp"
 #include "gles/light/airlight_grid.hpp"
 
 namespace kasumi {
@@ -26,6 +27,10 @@ std::vector<int> tile_ends(int first, int last, int most, double first_line, dou
 }
 
 }  // namespace
+
+int pixels_of(int samples) {
+  return (5 * samples + 16) / 17;
+}
 
 glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row) {
   return {{x_row.x, y_row.x, 0.0}, {x_row.y, y_row.y, 0.0}, {x_row.z, y_row.z, 1.0}};
@@ -52,6 +57,18 @@ int LayerTile::height() const {
 glm::dmat3 LayerTile::pixel_to_clip() const {
   constexpr double s = 2.0 / kLatticeSize;  // texels to clip space
   return affine({4.0 * s, s, (0.5 - first_a_) * s - 1.0}, {-s, 4.0 * s, (0.5 - first_b_) * s - 1.0});
+}
+
+void LayerTile::draw(const PixelBox& pixels) const {
+  const glm::dmat3 to_clip = pixel_to_clip();
+  std::array<float, 8> corners{};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const glm::dvec3 corner(i % 2 == 0 ? pixels.left : pixels.right, i < 2 ? pixels.top : pixels.bottom, 1.0);
+    const glm::dvec3 clip = to_clip * (corner - glm::dvec3{0.5, 0.5, 0.0});
+    corners[2 * i] = static_cast<float>(clip.x);
+    corners[2 * i + 1] = static_cast<float>(clip.y);
+  }
+  draw_corners(corners);
 }
 
 glm::dmat3 LayerTile::fragment_to_pixel() const {

@@ -38,6 +38,9 @@ constexpr std::array<std::array<int, 2>, 17> kLatticeOffsets{{{0, 0},
 inline const double kSamplesPerPixel = std::sqrt(17.0);  // along the lattice's axes
 constexpr int kLatticeSize = 1024;                       // of the buffer that holds a tile's samples
 
+// The distance in pixels to the corner of a square of this many samples, rounded up.
+int pixels_of(int samples);
+
 // Columns of a matrix that acts on (x, y, 1).
 glm::dmat3 affine(const glm::dvec3& x_row, const glm::dvec3& y_row);
 
@@ -58,6 +61,8 @@ class LayerTile {
 
   // Homogeneous pixels to the buffer's clip coordinates.
   glm::dmat3 pixel_to_clip() const;
+  // Draws the buffer's samples of these pixels, which may lie beyond the tile, into a viewport that is all of it.
+  void draw(const PixelBox& pixels) const;
   // gl_FragCoord in the buffer to the picture's pixels.
   glm::dmat3 fragment_to_pixel() const;
   // The same to 0..1 across the tile, from its first to one past its last pixel.

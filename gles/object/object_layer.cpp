@@ -9,6 +9,7 @@
 #include "gles/gl/gl.hpp"
 #include "gles/gl/texture_units.hpp"
 #include "gles/light/airlight_grid.hpp"
+#include "gles/object/coarse_spread.hpp"
 #include "gles/object/layer_tiles.hpp"
 #include "gles/object/pixel_means.hpp"
 #include "gles/object/point_spread.hpp"
@@ -30,11 +31,6 @@ int spare_samples(const ObjectDetail& detail) {
   return spread + (shares_chroma(detail) ? 5 : 0);  // a neighbouring pixel's samples lie up to five away
 }
 
-// The distance in pixels to the corner of a square of this many samples, rounded up.
-int pixels_of(int samples) {
-  return (5 * samples + 16) / 17;
-}
-
 }  // namespace
 
 // A tile, and the box of its pixels that the model can reach. The others stay empty and cost no samples.
@@ -47,25 +43,35 @@ struct ReachedTile {
 struct LayerLattice {
   LayerBuffer samples;
   GlRenderbuffer depth;
-  std::optional<PointSpread> spread;  // empty: none
-  std::optional<PixelMeans> means;    // empty: each sample is spread along both axes
+  std::optional<PointSpread> spread;   // a narrow one; empty: none
+  std::optional<CoarseSpread> coarse;  // a wide one; empty: none
+  std::optional<PixelMeans> means;     // empty: each sample is spread along both axes
 
   static Result<LayerLattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
     constexpr std::string_view kName = "the buffer for anti-aliasing";  // in messages
     auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
     if (!samples) return fail(samples.error());
-    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt};
+    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt, std::nullopt};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
     glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
     if (auto complete = check_framebuffer(kName); !complete) return fail(complete.error());
     if (options.detail.point_spread_px <= 0.0) return made;
-    auto spread =
-        PointSpread::create(spread_in_samples(options.detail), kLatticeSize, options.in_8_bits, info, programs);
+    const double sigma = spread_in_samples(options.detail);
+    const SplitSpread split = split_spread(sigma);
+    if (split.step > 1 && !options.in_8_bits) {
+      auto coarse = CoarseSpread::create(split, kLatticeSize, info, programs);
+      if (!coarse) return fail(coarse.error());
+      made.coarse = std::move(*coarse);
+      auto means = PixelMeans::create(*made.coarse, spare_samples(options.detail), info, programs);
+      if (!means) return fail(means.error());
+      made.means = std::move(*means);
+      return made;
+    }
+    auto spread = PointSpread::create(sigma, kLatticeSize, options.in_8_bits, info, programs);
     if (!spread) return fail(spread.error());
     made.spread = std::move(*spread);
-    if (options.in_8_bits || !PixelMeans::have_room_for(*made.spread))
-      return made;  // bytes would be too coarse for means
+    if (options.in_8_bits) return made;  // bytes would be too coarse for means
     auto means = PixelMeans::create(*made.spread, kLatticeSize, spare_samples(options.detail), info, programs);
     if (!means) return fail(means.error());
     made.means = std::move(*means);
@@ -74,7 +80,7 @@ struct LayerLattice {
 
   // What is drawn in the buffer's first width x height samples is spread; the samples to be resolved.
   const LayerBuffer& spread_out(int width, int height) const {
-    if (means) return spread->along_rows(samples, width, height);
+    if (spread && means) return spread->along_rows(samples, width, height);
     if (spread) spread->apply(samples, width, height);
     return samples;
   }
@@ -278,6 +284,13 @@ struct LayerDrawing::State {
       if (auto done = draw_samples(part); !done) return done;
       wait_if_software();
       samples = &lattice.spread_out(part.tile.width(), part.tile.height());
+      wait_if_software();
+    }
+    if (lattice.coarse) {
+      const PixelBox needed = grown(part.reached, kMeansAround_px);
+      lattice.coarse->along_rows(*samples, part.tile, needed);
+      wait_if_software();
+      samples = &lattice.coarse->along_columns(part.tile, needed);
       wait_if_software();
     }
     if (lattice.means) {

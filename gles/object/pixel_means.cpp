@@ -8,24 +8,18 @@
 namespace kasumi {
 namespace {
 
-constexpr std::size_t kMostRows = 56;  // vectors of weights, of the 64 that a renderer needs
-
 PixelBox with_neighbours(const PixelBox& box) {
   return {box.left - kMeansAround_px, box.top - kMeansAround_px, box.right + kMeansAround_px,
           box.bottom + kMeansAround_px};
 }
 
-std::size_t rows_of(const PointSpread& spread) {
-  return 2 * spread.weights().size() + 3;
-}
-
 }  // namespace
 
-std::vector<glm::dvec3> mean_weights(const std::vector<double>& spread_weights) {
+std::vector<glm::dvec4> mean_weights(const std::vector<double>& spread_weights) {
   const int radius = static_cast<int>(spread_weights.size()) - 1, reach = radius + 2;
-  std::vector<glm::dvec3> weights;
+  std::vector<glm::dvec4> weights;
   for (int row = -reach; row <= reach; ++row) {
-    glm::dvec3 sums{0.0};
+    glm::dvec4 sums{0.0};
     for (const auto& offset : kLatticeOffsets) {
       const int apart = std::abs(row - offset[1]);
       if (offset[0] >= 0 && apart <= radius) sums[offset[0]] += spread_weights[static_cast<std::size_t>(apart)];
@@ -35,18 +29,27 @@ std::vector<glm::dvec3> mean_weights(const std::vector<double>& spread_weights) 
   return weights;
 }
 
-bool PixelMeans::have_room_for(const PointSpread& spread) {
-  return rows_of(spread) <= kMostRows;
-}
-
 Result<PixelMeans> PixelMeans::create(const PointSpread& spread, int size, int spare, const GlInfo& info,
                                       Programs& programs) {
-  const auto program = programs.find(ProgramKind::mean, {fmt::format("SPREAD_RADIUS {}", spread.weights().size() - 1)});
+  const Defines defines{fmt::format("SPREAD_RADIUS {}", spread.weights().size() - 1)};
+  return create(mean_weights(spread.weights()), defines, size, spare, info, programs);
+}
+
+Result<PixelMeans> PixelMeans::create(const CoarseSpread& spread, int spare, const GlInfo& info, Programs& programs) {
+  const CoarseWeights& weights = spread.weights();
+  const Defines defines{fmt::format("COARSE_STEP {}", spread.step()), fmt::format("BEFORE {}", weights.before),
+                        fmt::format("COUNT {}", weights.weights.size())};
+  return create(weights.weights, defines, spread.size(), spare, info, programs);
+}
+
+Result<PixelMeans> PixelMeans::create(std::vector<glm::dvec4> weights, const Defines& defines, int size, int spare,
+                                      const GlInfo& info, Programs& programs) {
+  const auto program = programs.find(ProgramKind::mean, defines);
   if (!program) return fail(program.error());
   const int side = LayerTile::most_pixels(spare) + 2 * kMeansAround_px;
   auto means = LayerBuffer::create(side, side, false, info, "the buffer for the pixels' means");
   if (!means) return fail(means.error());
-  return PixelMeans(mean_weights(spread.weights()), size, side, std::move(*means), **program);
+  return PixelMeans(std::move(weights), size, side, std::move(*means), **program);
 }
 
 void PixelMeans::draw(const LayerBuffer& samples, const LayerTile& tile, const PixelBox& needed) const {
@@ -63,6 +66,7 @@ void PixelMeans::draw(const LayerBuffer& samples, const LayerTile& tile, const P
   program_->set("viewport", glm::dvec4(0.0, 0.0, 0.5 * glm::dvec2(size)));
   program_->set("fragment_to_sample", tile.layer_fragment_to_sample(whole));
   program_->set("sample_step", glm::dvec2{1.0 / size_});
+  program_->set("lattice_size", double(kLatticeSize));
   program_->set("weights", weights_);
   draw_square();
   glDisable(GL_SCISSOR_TEST);

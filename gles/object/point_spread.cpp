@@ -41,7 +41,8 @@ void PointSpread::pass(const LayerBuffer& from, const LayerBuffer& to, const glm
   program_->use();
   program_->set("samples", kLayerUnit);
   program_->set("dither_pattern", kDitherUnit);
-  program_->set("sample_step", 1.0 / size_);
+  program_->set("sample_step", glm::dvec2(1.0 / size_));
+  program_->set("stride", glm::dvec2(1.0));
   program_->set("weights", weights_);
   program_->set("along", along / double(size_));
   glViewport(0, 0, width, height);

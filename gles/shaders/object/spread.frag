@@ -1,13 +1,14 @@
-// A Gaussian over the lattice of samples, along its rows or along its columns.
+// A Gaussian over the lattice of samples, along its rows or along its columns; for every few samples where those hold it.
 #include "dither.glsl"
 
 uniform sampler2D samples;
-uniform float sample_step;  // one texel
+uniform vec2 sample_step;   // one texel
+uniform vec2 stride;        // texels from one result to the next
 uniform vec2 along;         // one texel in the pass's direction
 uniform float weights[SPREAD_RADIUS + 1];
 
 void main() {
-  vec2 place = gl_FragCoord.xy * sample_step;
+  vec2 place = (floor(gl_FragCoord.xy) * stride + 0.5) * sample_step;
   vec4 sum = weights[0] * texture2D(samples, place);
   for (int i = 1; i <= SPREAD_RADIUS; ++i)
     sum += weights[i] * (texture2D(samples, place + float(i) * along) + texture2D(samples, place - float(i) * along));

@@ -1,6 +1,7 @@
 // The object is as blurred as the camera's picture: point spread and chroma subsampling, against closed forms.
 #include <cmath>
 
+#include "gles/object/coarse_spread.hpp"
 #include "gles/object/pixel_means.hpp"
 #include "gles/object/point_spread.hpp"
 #include "tests/gles/scenes.hpp"
@@ -103,6 +104,48 @@ TEST_F(Detail, APixelsMeanHoldsTheSpreadAlongTheColumns) {
   }
 }
 
+// Of straight edges through all places around a pixel's middle, that lies anywhere between two samples that are kept.
+TEST_F(Detail, ACoarserLatticeHoldsAWideSpread) {
+  EXPECT_EQ(split_spread(2.4).step, 1) << "narrow: every sample counts";
+  for (const double sigma : {2.48, 3.0, 4.12, 6.2, 12.4}) {
+    const SplitSpread split = split_spread(sigma);
+    ASSERT_GT(split.step, 1);
+    EXPECT_NEAR(std::hypot(split.first, split.second), sigma, 1e-9);
+    const auto first = gaussian_weights(split.first), whole = gaussian_weights(sigma);
+    const auto weight = [](const std::vector<double>& weights, int apart) {
+      const auto at = std::size_t(std::abs(apart));
+      return at < weights.size() ? weights[at] : 0.0;
+    };
+    const CoarseWeights coarse = coarse_weights(split);
+    const int reach = int(whole.size() + first.size()) + coarse.reach_samples(split.step);
+    // Of the samples by their distance from the middle.
+    std::vector<std::vector<double>> by_way(std::size_t(split.step), std::vector<double>(std::size_t(2 * reach + 1)));
+    for (int phase = 0; phase < split.step; ++phase)
+      for (int away = -reach; away <= reach; ++away)
+        for (std::size_t i = 0; i < coarse.weights.size(); ++i)
+          by_way[std::size_t(phase)][std::size_t(away + reach)] +=
+              coarse.weights[i][phase] * weight(first, away - ((int(i) - coarse.before) * split.step - phase));
+    double worst = 0.0;
+    for (int phase = 0; phase < split.step * split.step; ++phase) {
+      const auto &across = by_way[std::size_t(phase % split.step)], &down = by_way[std::size_t(phase / split.step)];
+      for (const double turned : {0.0, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8}) {
+        std::vector<double> misses(std::size_t(4 * reach), 0.0);  // by the distance from the edge
+        for (int b = -reach; b <= reach; ++b)
+          for (int a = -reach; a <= reach; ++a) {
+            double exact = 0.0;
+            for (const auto& offset : kLatticeOffsets)
+              exact += weight(whole, a - offset[0]) * weight(whole, b - offset[1]) / 17.0;
+            misses[std::size_t(std::lround(a * std::cos(turned) + b * std::sin(turned)) + 2 * reach)] +=
+                across[std::size_t(a + reach)] * down[std::size_t(b + reach)] - exact;
+          }
+        double sum = 0.0;
+        for (const double miss : misses) worst = std::max(worst, std::abs(sum += miss));
+      }
+    }
+    EXPECT_LT(worst, sigma < 3.0 ? 0.0015 : 0.0008) << "of the edge's height; sigma " << sigma;
+  }
+}
+
 TEST_F(Detail, AnEdgeIsBlurredAsTheClosedFormSaysAtAnySubpixelPosition) {
   const auto expect_edge = [&](double sigma, double edge, const RendererOptions& options) {
     const auto layer = layer_of(board(edge, 400.0), {.point_spread_px = sigma}, options);
@@ -110,7 +153,7 @@ TEST_F(Detail, AnEdgeIsBlurredAsTheClosedFormSaysAtAnySubpixelPosition) {
     for (int x = 0; x < 160; ++x) worst = std::max(worst, std::abs(layer.at(x, 60).a - share_of_plane(x, edge, sigma)));
     EXPECT_LE(worst, tolerance(sigma)) << "of the coverage; sigma " << sigma << ", edge at " << edge;
   };
-  for (const double sigma : {0.3, 0.5, 1.0, 2.5})
+  for (const double sigma : {0.3, 0.5, 0.7, 1.0, 2.5})
     for (const double edge : {70.5, 70.8, 71.07}) expect_edge(sigma, edge, {});
   expect_edge(0.5, 70.63, {.force_rgba8 = true});
 }
