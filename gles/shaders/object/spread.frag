@@ -1,4 +1,4 @@
-// A Gaussian over the lattice of samples, along its rows or along its columns; for every few samples where those hold it.
+// A Gaussian over the lattice of samples, along its rows or its columns; for every few samples where those hold it.
 #include "dither.glsl"
 
 uniform sampler2D samples;
