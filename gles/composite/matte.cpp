@@ -1,49 +1,55 @@
 #include "gles/composite/matte.hpp"
 
-#include <vector>
+#include <algorithm>
 
-#include <glm/vec4.hpp>
+#include <glm/common.hpp>
+#include <glm/gtc/type_precision.hpp>
 
 #include "gles/gl/gl.hpp"
+#include "gles/gl/layer_buffer.hpp"
 #include "gles/gl/texture_units.hpp"
 
 namespace kasumi {
 namespace {
 
-constexpr int kVectors = 1 + kMatteDirections / 2;  // of a point: its place, and two pixels each
-constexpr double kClearFalloff = -2.0;              // what is behind changes from place to place,
-constexpr double kFrontFalloff = -1.0;              // leaves from one to the next
+// How far a node's pixel lies from it in one of the directions, and one; 0: there is none.
+std::uint8_t steps_to(const std::optional<glm::ivec2>& pixel, const glm::ivec2& from) {
+  if (!pixel) return 0;
+  const glm::ivec2 way = glm::abs(*pixel - from);
+  return static_cast<std::uint8_t>(1 + std::max(way.x, way.y));
+}
 
-void add_points(std::vector<glm::vec4>& points, const MatteNodes& nodes, bool front) {
+// Of each node two texels, one below the other, of four directions each; those of what is in front to the right.
+Image<glm::u8vec4> taps_of(const MatteNodes& nodes, const glm::ivec2& picture) {
+  Image<glm::u8vec4> taps(2 * nodes.columns, 2 * nodes.rows, glm::u8vec4{0});
   for (const MatteNode& node : nodes.nodes) {
-    const glm::dvec2 texel = glm::dvec2(node.at) + 0.5;
-    const glm::dvec2 middle = glm::dvec2(nodes.corner_px) + texel * double(nodes.cell_px) - 0.5;
-    points.emplace_back((texel.x + (front ? nodes.columns : 0)) / nodes.columns - 1.0, 2.0 * texel.y / nodes.rows - 1.0,
-                        middle.x, middle.y);
-    const auto& taps = front ? node.front : node.clear;
-    for (std::size_t i = 0; i < taps.size(); i += 2) {
-      const glm::vec2 a(taps[i].value_or(glm::ivec2{-1})), b(taps[i + 1].value_or(glm::ivec2{-1}));
-      points.emplace_back(a, b);
+    const glm::ivec2 from = first_looked_at(nodes, node.at, picture);
+    for (int i = 0; i < kMatteDirections; ++i) {
+      const auto direction = static_cast<std::size_t>(i);
+      taps.at(node.at.x, 2 * node.at.y + i / 4)[i % 4] = steps_to(node.clear[direction], from);
+      taps.at(nodes.columns + node.at.x, 2 * node.at.y + i / 4)[i % 4] = steps_to(node.front[direction], from);
     }
   }
+  return taps;
 }
 
 }  // namespace
 
-Result<Matte> Matte::create(const MatteNodes& nodes) {
+Result<Matte> Matte::create(const MatteNodes& nodes, const glm::ivec2& picture) {
   Matte made;
   made.corner_px_ = nodes.corner_px;
   made.cell_px_ = nodes.cell_px;
   made.columns_ = nodes.columns;
   made.rows_ = nodes.rows;
-  made.points_ = static_cast<int>(nodes.nodes.size());
-  std::vector<glm::vec4> points;
-  add_points(points, nodes, false);
-  add_points(points, nodes, true);
-  made.buffer_ = make_buffer();
-  glBindBuffer(GL_ARRAY_BUFFER, made.buffer_.name());
-  glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(points.size() * sizeof(glm::vec4)), points.data(),
-               GL_STATIC_DRAW);
+  const auto taps = taps_of(nodes, picture);
+  made.taps_ = make_texture();
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, made.taps_.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA, taps.width(), taps.height(), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+               taps.elements().data());
+  set_filter(TextureFilter::nearest);
+  clamp_to_edge();
   made.texture_ = make_texture();
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
   glBindTexture(GL_TEXTURE_2D, made.texture_.name());
@@ -72,22 +78,14 @@ Result<> Matte::follow(Programs& programs, const CameraTextures& camera, const R
   (*program)->set("picture_size", glm::dvec2{camera.width, camera.height});
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
   glViewport(0, 0, 2 * columns_, rows_);
-  glClearColor(0, 0, 0, 0);
-  glClear(GL_COLOR_BUFFER_BIT);
-  glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
-  const auto attribute = [](unsigned place, int vector) {
-    glEnableVertexAttribArray(place);
-    glVertexAttribPointer(place, 4, GL_FLOAT, GL_FALSE, kVectors * sizeof(glm::vec4),
-                          reinterpret_cast<const void*>(static_cast<std::size_t>(vector) * sizeof(glm::vec4)));
-  };
-  attribute(kPosition, 0);
-  for (int i = 1; i < kVectors; ++i) attribute(kTaps + static_cast<unsigned>(i - 1), i);
-  for (const bool front : {false, true}) {
-    (*program)->set("falloff", front ? kFrontFalloff : kClearFalloff);
-    glDrawArrays(GL_POINTS, front ? points_ : 0, points_);
-  }
-  glDisableVertexAttribArray(kPosition);
-  for (int i = 1; i < kVectors; ++i) glDisableVertexAttribArray(kTaps + static_cast<unsigned>(i - 1));
+  glActiveTexture(GL_TEXTURE0 + kLayerUnit);
+  glBindTexture(GL_TEXTURE_2D, taps_.name());
+  (*program)->set("taps", kLayerUnit);
+  (*program)->set("taps_step", 1.0 / glm::dvec2{2 * columns_, 2 * rows_});
+  (*program)->set("columns", double(columns_));
+  (*program)->set("corner_px", glm::dvec2(corner_px_));
+  (*program)->set("cell_px", double(cell_px_));
+  draw_square();
   return check_gl("reading the matte's nodes");
 }
 

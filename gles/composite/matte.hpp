@@ -14,8 +14,8 @@ namespace kasumi {
 
 class Matte {
  public:
-  // nodes: not empty. Errors: device.
-  static Result<Matte> create(const MatteNodes& nodes);
+  // nodes: not empty; picture: its size. Errors: device.
+  static Result<Matte> create(const MatteNodes& nodes, const glm::ivec2& picture);
   // Reads the picture. Leaves its own framebuffer bound. Errors: device.
   Result<> follow(Programs& programs, const CameraTextures& camera, const ResponseOnGpu& response,
                   const GlTexture& dither) const;
@@ -26,8 +26,7 @@ class Matte {
   Matte() = default;
   glm::ivec2 corner_px_{};
   int cell_px_ = 0, columns_ = 0, rows_ = 0;
-  int points_ = 0;  // of each half
-  GlBuffer buffer_;
+  GlTexture taps_;  // what each node reads (matte.frag)
   GlTexture texture_;
   GlFramebuffer framebuffer_;
 };

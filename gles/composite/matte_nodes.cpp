@@ -17,13 +17,12 @@ bool is_sure(const Image<std::uint8_t>& mask, const glm::ivec2& at, std::uint8_t
   return true;
 }
 
-// The eight neighbours, around.
+// The eight neighbours, around, as matte.frag has them.
 constexpr std::array<glm::ivec2, kMatteDirections> kDirections{
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
 std::optional<glm::ivec2> first_sure(const Image<std::uint8_t>& mask, glm::ivec2 at, const glm::ivec2& direction,
                                      std::uint8_t value) {
-  at = glm::clamp(at, glm::ivec2{0}, glm::ivec2{mask.width() - 1, mask.height() - 1});
   for (int step = 0; step <= kMatteReach_px && mask.contains(at.x, at.y); ++step, at += direction)
     if (is_sure(mask, at, value)) return at;
   return std::nullopt;
@@ -35,6 +34,11 @@ int node_before(int pixel, int cell_px) {
 }
 
 }  // namespace
+
+glm::ivec2 first_looked_at(const MatteNodes& nodes, const glm::ivec2& node, const glm::ivec2& picture) {
+  const glm::ivec2 middle = nodes.corner_px + nodes.cell_px * node + nodes.cell_px / 2;
+  return glm::clamp(middle, glm::ivec2{0}, picture - 1);
+}
 
 MatteNodes matte_nodes(const Image<std::uint8_t>& mask, const PixelBox& within, int most_columns, int most_rows) {
   PixelBox band{mask.width(), mask.height(), 0, 0};
@@ -68,10 +72,10 @@ MatteNodes matte_nodes(const Image<std::uint8_t>& mask, const PixelBox& within, 
       if (needed.at(u, v) == 0) continue;
       MatteNode node;
       node.at = {u, v};
-      const glm::ivec2 middle = made.corner_px + made.cell_px * node.at + made.cell_px / 2;
+      const glm::ivec2 from = first_looked_at(made, node.at, {mask.width(), mask.height()});
       for (std::size_t i = 0; i < kDirections.size(); ++i) {
-        node.clear[i] = first_sure(mask, middle, kDirections[i], 255);
-        node.front[i] = first_sure(mask, middle, kDirections[i], 0);
+        node.clear[i] = first_sure(mask, from, kDirections[i], 255);
+        node.front[i] = first_sure(mask, from, kDirections[i], 0);
       }
       made.nodes.push_back(node);
     }

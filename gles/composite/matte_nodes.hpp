@@ -33,6 +33,9 @@ struct MatteNodes {
   bool empty() const { return nodes.empty(); }
 };
 
+// The pixel from which a node looks for sure ones.
+glm::ivec2 first_looked_at(const MatteNodes& nodes, const glm::ivec2& node, const glm::ivec2& picture);
+
 // A pixel of the mask is mixed between 0 and 255. Only those in `within` count. A sure pixel's neighbours are sure in
 // the same way, since optics and chroma mix across the edge.
 MatteNodes matte_nodes(const Image<std::uint8_t>& mask, const PixelBox& within, int most_columns, int most_rows);

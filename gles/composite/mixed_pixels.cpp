@@ -112,7 +112,7 @@ void MixedPixels::find_band(const MatteNodes& nodes) {
         const double far = std::hypot(tap->x - middle.x, tap->y - middle.y) + 1.0;
         band_.taps.push_back(
             {static_cast<std::uint32_t>((tap->y - box.top) * (box.right - box.left) + tap->x - box.left),
-             static_cast<float>(1.0 / (front ? far : far * far))});  // the falloffs of matte.cpp
+             static_cast<float>(1.0 / (front ? far : far * far))});  // as matte.frag has it
       }
       const auto last_tap = static_cast<std::uint32_t>(band_.taps.size());
       if (last_tap > first_tap)

@@ -45,9 +45,9 @@ Result<> Renderer::State::find_matte() {
   if (matte || !composite.is_left_open() || !info.highp_fragments) return {};
   const int most = std::min(info.max_texture_size, 2048);
   const PixelBox largest = box_with(kCoarsestDetail);  // so that it stays while the detail changes
-  MatteNodes nodes = matte_nodes(foreground->mask(), largest, most / 2, most);
+  MatteNodes nodes = matte_nodes(foreground->mask(), largest, most / 2, most / 2);
   if (nodes.empty()) return {};
-  auto made = Matte::create(nodes);
+  auto made = Matte::create(nodes, foreground->size());
   if (!made) return fail(made.error());
   matte = std::move(*made);
   if (mix) mix->take_matte(std::move(nodes));

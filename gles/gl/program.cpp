@@ -48,11 +48,7 @@ Result<Program> Program::build(const Defines& defines, std::string_view vertex_f
                               {kTexturePlace, "texture_place"},
                               {kColour, "colour"},
                               {kSecondPlace, "texture_place_2"},
-                              {kTangent, "tangent"},
-                              {kTaps, "taps_0"},
-                              {kTaps + 1, "taps_1"},
-                              {kTaps + 2, "taps_2"},
-                              {kTaps + 3, "taps_3"}});
+                              {kTangent, "tangent"}});
   if (!linked) return fail(linked.error());
   return Program(std::move(*linked));
 }

@@ -28,7 +28,6 @@ enum Attribute : unsigned {
   kColour = 3,
   kSecondPlace = 4,
   kTangent = 5,
-  kTaps = kNormal,  // .. + 3, shared: what the camera's picture is read by has no surface
 };
 
 class Program {

@@ -11,7 +11,7 @@ Result<Program> build(ProgramKind kind, const Defines& defines) {
     case ProgramKind::spread: return Program::build(defines, "square.vert", "spread.frag");
     case ProgramKind::mean: return Program::build(defines, "resolve.vert", "mean.frag");
     case ProgramKind::resolve: return Program::build(defines, "resolve.vert", "resolve.frag");
-    case ProgramKind::matte: return Program::build(defines, "matte.vert", "matte.frag");
+    case ProgramKind::matte: return Program::build(defines, "square.vert", "matte.frag");
     case ProgramKind::sharpen: return Program::build(defines, "blocks.vert", "sharpen.frag");
     case ProgramKind::jpeg: return Program::build(defines, "blocks.vert", "jpeg.frag");
     case ProgramKind::picture: return Program::build(defines, "picture.vert", "picture.frag");

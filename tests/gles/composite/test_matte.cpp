@@ -257,6 +257,31 @@ class MatteOfLeaves : public GlesTest {
   }
 };
 
+// matte.frag knows a pixel by its direction and its distance alone, also where a node lies beyond the picture.
+TEST(MatteNodes, LookAlongEightDirectionsFromWithinThePicture) {
+  constexpr std::array<glm::ivec2, kMatteDirections> kAround{
+      {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
+  Image<std::uint8_t> mask(61, 43, 255);
+  for (int y = 0; y < mask.height(); ++y)
+    for (int x = 0; x < mask.width(); ++x) mask.at(x, y) = (x + y) % 20 < 7 ? 0 : (x + y) % 20 < 12 ? 120 : 255;
+  const MatteNodes nodes = matte_nodes(mask, {0, 0, mask.width(), mask.height()}, 1024, 1024);
+  int beyond = 0, taps = 0;
+  for (const MatteNode& node : nodes.nodes) {
+    const glm::ivec2 from = first_looked_at(nodes, node.at, {mask.width(), mask.height()});
+    ASSERT_TRUE(mask.contains(from.x, from.y));
+    beyond += from != nodes.corner_px + nodes.cell_px * node.at + nodes.cell_px / 2;
+    for (const auto* kind : {&node.clear, &node.front})
+      for (std::size_t i = 0; i < kAround.size(); ++i) {
+        if (!(*kind)[i]) continue;
+        const glm::ivec2 way = *(*kind)[i] - from;
+        ASSERT_EQ(way, std::max(std::abs(way.x), std::abs(way.y)) * kAround[i]);
+        ++taps;
+      }
+  }
+  EXPECT_GT(beyond, 0);
+  EXPECT_GT(taps, 500);
+}
+
 TEST_F(MatteOfLeaves, IsTheCpusOnEveryPath) {
   ReferenceScene scene = MatteOfLeaves::scene();
   const fixtures::Bough bough(MatteOfLeaves::bough(6.0, 1, 1.0));
