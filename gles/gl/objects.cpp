@@ -143,6 +143,7 @@ Result<GlProgram> link_program(std::string_view name, const std::string& vertex_
   if (linked != GL_TRUE)
     return fail(FaultKind::device, "shader {} does not link: {}", name,
                 log_of(program.name(), glGetProgramiv, glGetProgramInfoLog));
+  for (const auto* shader : {&*vertex, &*fragment}) glDetachShader(program.name(), shader->name());  // and its text
   return program;
 }
 
