@@ -8,6 +8,7 @@
 
 #include "base/geometry.hpp"
 #include "estimator/sky/sky_scene.hpp"
+#include "gles/gl/objects.hpp"
 #include "gles/gl/offscreen.hpp"
 
 namespace kasumi {
@@ -95,6 +96,8 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillWeather& sky)
     if (!dome) return fail(dome.error());
     dome_ = std::move(*dome);
   }
+  // Software GL keeps the targets of all pictures that were ever in flight together.
+  finish_gl();
   auto offscreen = Offscreen::create(context_->info(), target.width, target.height);
   if (!offscreen) return fail(offscreen.error());
   const DrawTarget whole = offscreen->target();
@@ -125,6 +128,7 @@ Result<> StillPicture::redraw(const DrawTarget& target, const StillWeather& sky)
   auto picture = FlatPicture::create(*context_, std::move(*offscreen));
   if (!picture) return fail(picture.error());
   with_sky_ = ComposedStill{std::move(*picture), sky, target.width, target.height};
+  finish_gl();
   return {};
 }
 
@@ -136,6 +140,7 @@ Result<> StillPicture::draw_plain(const DrawTarget& target, double opacity) {
 Result<> StillPicture::draw(const DrawTarget& target, const SkyReport& report, double opacity) {
   if (opacity <= 0.0) {
     with_sky_.reset();  // as large as the screen
+    dome_.reset();      // some megabytes of programs and points
     return {};
   }
   const auto sky = shows_sky_ ? still_sky(report) : std::nullopt;

@@ -53,7 +53,7 @@ class StillPicture {
   std::optional<FlatPicture> curated_;
   std::optional<FlatPicture> background_;  // one pixel
   std::optional<Aerosol> aerosol_;         // exponent and kind, where they are given
-  std::optional<DomeRenderer> dome_;       // created when first needed
+  std::optional<DomeRenderer> dome_;       // while it is shown
   std::optional<ComposedStill> with_sky_;
 };
 
