@@ -96,7 +96,7 @@ void CoarseSpread::pass(const LayerBuffer& from, glm::ivec2 from_size, const Lay
   glBindFramebuffer(GL_FRAMEBUFFER, to.framebuffer.name());
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
   glBindTexture(GL_TEXTURE_2D, from.texture.name());
-  tile.draw(pixels);
+  tile.draw(pixels, lattice_);
 }
 
 void CoarseSpread::along_rows(const LayerBuffer& samples, const LayerTile& tile, const PixelBox& needed) const {

@@ -35,7 +35,8 @@ class CoarseSpread {
   // `split` of a wide spread; size: of the lattice's buffer. Errors: device.
   static Result<CoarseSpread> create(const SplitSpread& split, int size, const GlInfo& info, Programs& programs);
   int step() const { return split_.step; }
-  int size() const { return size_; }  // of the square that is kept
+  int lattice() const { return lattice_; }  // size of its buffer
+  int size() const { return size_; }        // of the square that is kept
   const CoarseWeights& weights() const { return weights_; }
   // One after the other: what the tile's pixels in `needed` are made of, spread by the first Gaussian.
   void along_rows(const LayerBuffer& samples, const LayerTile& tile, const PixelBox& needed) const;

@@ -43,7 +43,7 @@ LayerTile::LayerTile(const PixelBox& pixels, int spare)
       first_b_(4 * pixels.top - (pixels.right - 1) - around_) {}
 
 int LayerTile::most_pixels(int spare) {
-  return (kLatticeSize - 2 * (kReach + spare)) / 5;
+  return (kLargestLattice - 2 * (kReach + spare)) / 5;
 }
 
 int LayerTile::width() const {
@@ -54,13 +54,13 @@ int LayerTile::height() const {
   return 4 * (box_.bottom - box_.top) + (box_.right - box_.left) + 2 * around_;
 }
 
-glm::dmat3 LayerTile::pixel_to_clip() const {
-  constexpr double s = 2.0 / kLatticeSize;  // texels to clip space
+glm::dmat3 LayerTile::pixel_to_clip(int size) const {
+  const double s = 2.0 / size;  // texels to clip space
   return affine({4.0 * s, s, (0.5 - first_a_) * s - 1.0}, {-s, 4.0 * s, (0.5 - first_b_) * s - 1.0});
 }
 
-void LayerTile::draw(const PixelBox& pixels) const {
-  const glm::dmat3 to_clip = pixel_to_clip();
+void LayerTile::draw(const PixelBox& pixels, int size) const {
+  const glm::dmat3 to_clip = pixel_to_clip(size);
   std::array<float, 8> corners{};
   for (std::size_t i = 0; i < 4; ++i) {
     const glm::dvec3 corner(i % 2 == 0 ? pixels.left : pixels.right, i < 2 ? pixels.top : pixels.bottom, 1.0);
@@ -88,9 +88,9 @@ std::array<glm::dvec3, 4> LayerTile::horizon_patch(const AirlightGrid& horizon) 
   return {first, along, down, at(box_.right, box_.bottom) - first - along - down};
 }
 
-glm::dmat3 LayerTile::layer_fragment_to_sample(const PixelBox& layer) const {
+glm::dmat3 LayerTile::layer_fragment_to_sample(const PixelBox& layer, int size) const {
   const double x = layer.left - 0.5, y = layer.top - 0.5;
-  constexpr double s = 1.0 / kLatticeSize;  // texels to texture coordinates
+  const double s = 1.0 / size;  // texels to texture coordinates
   return affine({4.0 * s, s, (4.0 * x + y - first_a_ + 0.5) * s}, {-s, 4.0 * s, (4.0 * y - x - first_b_ + 0.5) * s});
 }
 

@@ -36,7 +36,7 @@ constexpr std::array<std::array<int, 2>, 17> kLatticeOffsets{{{0, 0},
                                                               {-1, 2},
                                                               {1, -2}}};
 inline const double kSamplesPerPixel = std::sqrt(17.0);  // along the lattice's axes
-constexpr int kLatticeSize = 1024;                       // of the buffer that holds a tile's samples
+constexpr int kLargestLattice = 1024;                    // of the buffer that holds a tile's samples
 
 // The distance in pixels to the corner of a square of this many samples, rounded up.
 int pixels_of(int samples);
@@ -49,7 +49,7 @@ class LayerTile {
  public:
   // `spare`: extra samples drawn around those of its pixels.
   LayerTile(const PixelBox& pixels, int spare);
-  // The longest side of a tile that fits into the buffer.
+  // The longest side of a tile that fits into the largest buffer.
   static int most_pixels(int spare);
 
   const PixelBox& box() const { return box_; }
@@ -59,18 +59,18 @@ class LayerTile {
   int width() const;
   int height() const;
 
-  // Homogeneous pixels to the buffer's clip coordinates.
-  glm::dmat3 pixel_to_clip() const;
-  // Draws the buffer's samples of these pixels, which may lie beyond the tile, into a viewport that is all of it.
-  void draw(const PixelBox& pixels) const;
+  // Homogeneous pixels to the clip coordinates of a buffer with `size` samples along a side.
+  glm::dmat3 pixel_to_clip(int size) const;
+  // Draws that buffer's samples of these pixels, which may lie beyond the tile, into a viewport that is all of it.
+  void draw(const PixelBox& pixels, int size) const;
   // gl_FragCoord in the buffer to the picture's pixels.
   glm::dmat3 fragment_to_pixel() const;
   // The same to 0..1 across the tile, from its first to one past its last pixel.
   glm::dmat3 fragment_to_patch() const;
   // Coefficients of the horizon's light across the tile, which lies within one cell of its grid.
   std::array<glm::dvec3, 4> horizon_patch(const AirlightGrid& horizon) const;
-  // gl_FragCoord in the layer, which begins at the corner of `layer`, to texture coordinates of the buffer.
-  glm::dmat3 layer_fragment_to_sample(const PixelBox& layer) const;
+  // gl_FragCoord in the layer, which begins at the corner of `layer`, to texture coordinates of that buffer.
+  glm::dmat3 layer_fragment_to_sample(const PixelBox& layer, int size) const;
 
  private:
   PixelBox box_;
@@ -79,7 +79,7 @@ class LayerTile {
   int first_b_;
 };
 
-// Tiles that cover `box`, split at the lines of the horizon's grid and to fit into the buffer.
+// Tiles that cover `box`, split at the lines of the horizon's grid and to fit into the largest buffer.
 std::vector<LayerTile> tiles_of(const PixelBox& box, int spare, const AirlightGrid& horizon);
 
 }  // namespace kasumi

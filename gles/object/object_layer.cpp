@@ -41,26 +41,28 @@ struct ReachedTile {
 
 // The buffers into which the tiles are drawn one after the other.
 struct LayerLattice {
+  int size;  // samples along a side
   LayerBuffer samples;
   GlRenderbuffer depth;
   std::optional<PointSpread> spread;   // a narrow one; empty: none
   std::optional<CoarseSpread> coarse;  // a wide one; empty: none
   std::optional<PixelMeans> means;     // empty: each sample is spread along both axes
 
-  static Result<LayerLattice> create(const ObjectLayer::Options& options, const GlInfo& info, Programs& programs) {
+  static Result<LayerLattice> create(int size, const ObjectLayer::Options& options, const GlInfo& info,
+                                     Programs& programs) {
     constexpr std::string_view kName = "the buffer for anti-aliasing";  // in messages
-    auto samples = LayerBuffer::create(kLatticeSize, kLatticeSize, options.in_8_bits, info, kName);
+    auto samples = LayerBuffer::create(size, size, options.in_8_bits, info, kName);
     if (!samples) return fail(samples.error());
-    LayerLattice made{std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt, std::nullopt};
+    LayerLattice made{size, std::move(*samples), make_renderbuffer(), std::nullopt, std::nullopt, std::nullopt};
     glBindRenderbuffer(GL_RENDERBUFFER, made.depth.name());
-    glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), kLatticeSize, kLatticeSize);
+    glRenderbufferStorage(GL_RENDERBUFFER, depth_format(info), size, size);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, made.depth.name());
     if (auto complete = check_framebuffer(kName); !complete) return fail(complete.error());
     if (options.detail.point_spread_px <= 0.0) return made;
     const double sigma = spread_in_samples(options.detail);
     const SplitSpread split = split_spread(sigma);
     if (split.step > 1 && !options.in_8_bits) {
-      auto coarse = CoarseSpread::create(split, kLatticeSize, info, programs);
+      auto coarse = CoarseSpread::create(split, size, info, programs);
       if (!coarse) return fail(coarse.error());
       made.coarse = std::move(*coarse);
       auto means = PixelMeans::create(*made.coarse, spare_samples(options.detail), info, programs);
@@ -68,11 +70,11 @@ struct LayerLattice {
       made.means = std::move(*means);
       return made;
     }
-    auto spread = PointSpread::create(sigma, kLatticeSize, options.in_8_bits, info, programs);
+    auto spread = PointSpread::create(sigma, size, options.in_8_bits, info, programs);
     if (!spread) return fail(spread.error());
     made.spread = std::move(*spread);
     if (options.in_8_bits) return made;  // bytes would be too coarse for means
-    auto means = PixelMeans::create(*made.spread, kLatticeSize, spare_samples(options.detail), info, programs);
+    auto means = PixelMeans::create(*made.spread, size, spare_samples(options.detail), info, programs);
     if (!means) return fail(means.error());
     made.means = std::move(*means);
     return made;
@@ -87,7 +89,7 @@ struct LayerLattice {
 
   void clear() const {
     glBindFramebuffer(GL_FRAMEBUFFER, samples.framebuffer.name());
-    glViewport(0, 0, kLatticeSize, kLatticeSize);
+    glViewport(0, 0, size, size);
     glClearColor(0, 0, 0, 0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
@@ -138,6 +140,14 @@ std::vector<ReachedTile> tiles_reached(const GpuModel& model, const PixelBox& bo
   return tiles;
 }
 
+// Of a buffer in which each tile has room.
+int lattice_size(const std::vector<ReachedTile>& tiles) {
+  constexpr int kStep = 64;  // as software GL lays it out
+  int most = kStep;
+  for (const auto& [tile, reached] : tiles) most = std::max({most, tile.width(), tile.height()});
+  return (most + kStep - 1) / kStep * kStep;
+}
+
 // Limits drawing to a rectangle of the target.
 class Scissor {
  public:
@@ -150,9 +160,9 @@ class Scissor {
   ~Scissor() { glDisable(GL_SCISSOR_TEST); }
 };
 
-void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid& horizon,
+void set_tile(const Program& program, const LayerTile& tile, const LayerLattice& lattice, const AirlightGrid& horizon,
               const ObjectLayer::Options& options) {
-  program.set("pixel_to_clip", tile.pixel_to_clip());
+  program.set("pixel_to_clip", tile.pixel_to_clip(lattice.size));
   program.set("fragment_to_patch", tile.fragment_to_patch());
   program.set("horizon_patch", tile.horizon_patch(horizon));
   if (options.scene_depth) {
@@ -166,7 +176,7 @@ void set_tile(const Program& program, const LayerTile& tile, const AirlightGrid&
 }
 
 // Resolves a tile's samples, or its pixels' means, to the layer's pixels.
-void resolve(const Program& program, const LayerBuffer& samples, const PixelMeans* means, const LayerTile& tile,
+void resolve(const Program& program, const LayerBuffer& samples, const LayerLattice& lattice, const LayerTile& tile,
              const LayerBuffer& layer, const PixelBox& box, const SceneView& view) {
   std::array<glm::dvec2, kLatticeOffsets.size()> offsets;
   std::ranges::transform(kLatticeOffsets, offsets.begin(), [](const auto& o) { return glm::dvec2{o[0], o[1]}; });
@@ -180,9 +190,9 @@ void resolve(const Program& program, const LayerBuffer& samples, const PixelMean
   glActiveTexture(GL_TEXTURE0 + kLayerUnit);
   glBindTexture(GL_TEXTURE_2D, samples.texture.name());
   program.set("samples", kLayerUnit);
-  if (means) means->bind(program, tile, box);
-  program.set("fragment_to_sample", tile.layer_fragment_to_sample(box));
-  program.set("sample_step", glm::dvec2{1.0 / kLatticeSize});
+  if (lattice.means) lattice.means->bind(program, tile, box);
+  program.set("fragment_to_sample", tile.layer_fragment_to_sample(box, lattice.size));
+  program.set("sample_step", glm::dvec2{1.0 / lattice.size});
   program.set("offsets", offsets);
   program.set("first_pixel", glm::dvec2{box.left, box.top});
   program.set("foreground", kForegroundUnit);
@@ -261,7 +271,7 @@ struct LayerDrawing::State {
     glFrontFace(projection.mirrored ? GL_CCW : GL_CW);
     const auto set_uniforms = [&](const Program& program) {
       set_projection(program, projection, depth);
-      set_tile(program, tile, horizon, options);
+      set_tile(program, tile, lattice, horizon, options);
       program.set("layer_unit", layer.unit_);
       program.set("dither_pattern", kDitherUnit);
       set_appearance(program);
@@ -300,8 +310,7 @@ struct LayerDrawing::State {
     const PixelBox &reached = part.reached, &box = layer.box_;
     const Scissor scissor({reached.left - box.left, reached.top - box.top},
                           {reached.right - reached.left, reached.bottom - reached.top});
-    resolve(*resolving, *samples, lattice.means ? &*lattice.means : nullptr, part.tile, layer.buffer_, box,
-            projection.view);
+    resolve(*resolving, *samples, lattice, part.tile, layer.buffer_, box, projection.view);
     return check_gl("drawing the object's layer");
   }
 };
@@ -320,14 +329,15 @@ Result<LayerDrawing> LayerDrawing::begin(const GpuModel& model, const Projection
   if (options.in_8_bits) layer->unit_ = options.unit;
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT);  // into the buffer just created
-  auto lattice = LayerLattice::create(options, info, programs);
+  auto tiles = tiles_reached(model, box, horizon, options);
+  auto lattice = LayerLattice::create(lattice_size(tiles), options, info, programs);
   if (!lattice) return fail(lattice.error());
   const auto resolving = programs.find(ProgramKind::resolve, resolve_defines(options, *lattice));
   if (!resolving) return fail(resolving.error());
   return LayerDrawing(std::make_unique<State>(
       State{info.software, model, projection, horizon, options, programs, std::move(set_appearance), std::move(*layer),
             std::move(*lattice), *resolving, object_defines(options, projection),
-            depth_range(projection, model.bounds_with_ground()), tiles_reached(model, box, horizon, options)}));
+            depth_range(projection, model.bounds_with_ground()), std::move(tiles)}));
 }
 
 Result<bool> LayerDrawing::step() {

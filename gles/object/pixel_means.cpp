@@ -32,24 +32,24 @@ std::vector<glm::dvec4> mean_weights(const std::vector<double>& spread_weights) 
 Result<PixelMeans> PixelMeans::create(const PointSpread& spread, int size, int spare, const GlInfo& info,
                                       Programs& programs) {
   const Defines defines{fmt::format("SPREAD_RADIUS {}", spread.weights().size() - 1)};
-  return create(mean_weights(spread.weights()), defines, size, spare, info, programs);
+  return create(mean_weights(spread.weights()), defines, size, size, spare, info, programs);
 }
 
 Result<PixelMeans> PixelMeans::create(const CoarseSpread& spread, int spare, const GlInfo& info, Programs& programs) {
   const CoarseWeights& weights = spread.weights();
   const Defines defines{fmt::format("COARSE_STEP {}", spread.step()), fmt::format("BEFORE {}", weights.before),
                         fmt::format("COUNT {}", weights.weights.size())};
-  return create(weights.weights, defines, spread.size(), spare, info, programs);
+  return create(weights.weights, defines, spread.lattice(), spread.size(), spare, info, programs);
 }
 
-Result<PixelMeans> PixelMeans::create(std::vector<glm::dvec4> weights, const Defines& defines, int size, int spare,
-                                      const GlInfo& info, Programs& programs) {
+Result<PixelMeans> PixelMeans::create(std::vector<glm::dvec4> weights, const Defines& defines, int lattice, int size,
+                                      int spare, const GlInfo& info, Programs& programs) {
   const auto program = programs.find(ProgramKind::mean, defines);
   if (!program) return fail(program.error());
   const int side = LayerTile::most_pixels(spare) + 2 * kMeansAround_px;
   auto means = LayerBuffer::create(side, side, false, info, "the buffer for the pixels' means");
   if (!means) return fail(means.error());
-  return PixelMeans(std::move(weights), size, side, std::move(*means), **program);
+  return PixelMeans(std::move(weights), lattice, size, side, std::move(*means), **program);
 }
 
 void PixelMeans::draw(const LayerBuffer& samples, const LayerTile& tile, const PixelBox& needed) const {
@@ -64,9 +64,9 @@ void PixelMeans::draw(const LayerBuffer& samples, const LayerTile& tile, const P
   glBindTexture(GL_TEXTURE_2D, samples.texture.name());
   program_->set("samples", kLayerUnit);
   program_->set("viewport", glm::dvec4(0.0, 0.0, 0.5 * glm::dvec2(size)));
-  program_->set("fragment_to_sample", tile.layer_fragment_to_sample(whole));
+  program_->set("fragment_to_sample", tile.layer_fragment_to_sample(whole, lattice_));
   program_->set("sample_step", glm::dvec2{1.0 / size_});
-  program_->set("lattice_size", double(kLatticeSize));
+  program_->set("lattice_size", double(lattice_));
   program_->set("weights", weights_);
   draw_square();
   glDisable(GL_SCISSOR_TEST);

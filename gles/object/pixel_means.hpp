@@ -28,12 +28,18 @@ class PixelMeans {
   void bind(const Program& program, const LayerTile& tile, const PixelBox& layer) const;
 
  private:
-  static Result<PixelMeans> create(std::vector<glm::dvec4> weights, const Defines& defines, int size, int spare,
-                                   const GlInfo& info, Programs& programs);
-  PixelMeans(std::vector<glm::dvec4> weights, int size, int side, LayerBuffer means, const Program& program)
-      : weights_(std::move(weights)), size_(size), side_(side), means_(std::move(means)), program_(&program) {}
+  static Result<PixelMeans> create(std::vector<glm::dvec4> weights, const Defines& defines, int lattice, int size,
+                                   int spare, const GlInfo& info, Programs& programs);
+  PixelMeans(std::vector<glm::dvec4> weights, int lattice, int size, int side, LayerBuffer means,
+             const Program& program)
+      : weights_(std::move(weights)),
+        lattice_(lattice),
+        size_(size),
+        side_(side),
+        means_(std::move(means)),
+        program_(&program) {}
   std::vector<glm::dvec4> weights_;
-  int size_, side_;  // of what it is made from, and of itself
+  int lattice_, size_, side_;  // of the samples drawn, of what it is made from, and of itself
   LayerBuffer means_;
   const Program* program_;
 };

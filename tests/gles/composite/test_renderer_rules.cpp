@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "tests/gles/scenes.hpp"
+#include "tests/heap_in_use.hpp"
 
 namespace kasumi {
 namespace {
@@ -176,6 +177,21 @@ TEST_F(RendererRules, TheOldLayerIsShownUntilTheNewOneIsWhole) {
   EXPECT_NE(after, before);
   Renderer at_once = loaded(scene);
   EXPECT_EQ(draw(at_once, scene.measured, view_of(camera)).elements(), after);
+}
+
+TEST_F(RendererRules, ASmallLayerIsDrawnIntoSmallBuffers) {
+  if (!kHeapTells || !info().software) GTEST_SKIP() << "the driver's memory is not this process's";
+  const ReferenceScene scene = wall();
+  Renderer renderer = make_renderer();
+  ASSERT_OK(renderer.set_detail({.point_spread_px = 0.5}));
+  load(renderer, scene);
+  draw(renderer, scene.measured, view_of(landscape(160, 120)));
+  const double before = heap_in_use();
+  ASSERT_OK(renderer.begin_layer(scene.appearance));
+  ASSERT_OK(renderer.continue_layer([] { return false; }));
+  const double taken = heap_in_use() - before;
+  EXPECT_GT(taken, 1e6) << "samples, their depth, and what is spread of them";
+  EXPECT_LT(taken, 8e6) << "the largest tile's would take 21 MB";
 }
 
 TEST_F(RendererRules, DrawsALayerLargerThanOneTile) {
