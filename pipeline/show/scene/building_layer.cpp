@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "base/geometry.hpp"
+#include "gles/gl/objects.hpp"
 
 namespace kasumi {
 
@@ -140,6 +141,7 @@ Result<> BuildingLayer::update_in_slices(Renderer& renderer, const SceneAir& air
   const auto age = asked_ ? captured_at - asked_->at : Duration::zero();
   if (age > kAnswerBound || age < Duration::zero()) asked_.reset();
   if (!unfinished_ && answer_) {
+    release_compiler();  // pictures since the layer before may have needed it
     const auto answer = std::exchange(answer_, std::nullopt);
     if (auto begun = begin(renderer, answer->under, answer->appearance, {answer->under.detail, answer->sky}); !begun)
       return begun;
