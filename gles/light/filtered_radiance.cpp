@@ -73,12 +73,16 @@ class Mirror {
     for (int y = 0; y < half(); ++y)
       for (int x = 0; x < half(); ++x) {
         lay(lobe, direction_on_map(place_of(x, y, size)), share, touched);
+        float largest = 0.0f;
+        for (const std::size_t at : touched) largest = std::max(largest, share[at]);
+        const float unit = largest / kWhole;
         for (const std::size_t at : touched) {
-          taps_.push_back({static_cast<std::uint8_t>(at % kMap), static_cast<std::uint8_t>(at / kMap), share[at]});
+          taps_.push_back({static_cast<std::uint8_t>(at % kMap), static_cast<std::uint8_t>(at / kMap),
+                           static_cast<std::uint16_t>(std::lround(share[at] / unit))});
           share[at] = 0.0f;
         }
         touched.clear();
-        ends_.push_back(taps_.size());
+        texels_.push_back({taps_.size(), unit});
       }
     taps_.shrink_to_fit();
   }
@@ -86,10 +90,12 @@ class Mirror {
   Image<glm::vec3> of(const Image<glm::vec3>& radiance) const {
     Image<glm::vec3> picture(size_, size_);
     std::size_t tap = 0;
-    for (std::size_t i = 0; i < ends_.size(); ++i) {
+    for (std::size_t i = 0; i < texels_.size(); ++i) {
+      const auto [end, unit] = texels_[i];
       std::array<glm::vec3, 4> sums{};  // here, across, below, both
-      for (; tap < ends_[i]; ++tap) {
-        const auto [x, y, share] = taps_[tap];
+      for (; tap < end; ++tap) {
+        const auto [x, y, of_unit] = taps_[tap];
+        const float share = unit * of_unit;
         const glm::vec3 *row = radiance.row(y), *mirrored = radiance.row(kMap - 1 - y);
         sums[0] += share * row[x];
         sums[1] += share * row[kMap - 1 - x];
@@ -109,9 +115,15 @@ class Mirror {
   static constexpr int kMap = LightAround::kSize;
   static_assert(kMap <= 256);
   struct Tap {
-    std::uint8_t x, y;  // texel of the map
-    float share;
+    std::uint8_t x, y;      // texel of the map
+    std::uint16_t of_unit;  // its share
   };
+  static_assert(sizeof(Tap) == 4, "half a million are kept for good");
+  struct Filtered {
+    std::size_t end;  // of its taps
+    float unit;       // of their shares: the largest is kWhole
+  };
+  static constexpr float kWhole = 65535.0f;
   int half() const { return (size_ + 1) / 2; }
 
   // The lobe around `image`, interpolated between the map's texels.
@@ -139,10 +151,10 @@ class Mirror {
 
   int size_;
   std::vector<Tap> taps_;
-  std::vector<std::size_t> ends_;  // of each texel's taps
+  std::vector<Filtered> texels_;
 };
 
-// Of roughness 1/6 .. 5/6; 4 MB.
+// Of roughness 1/6 .. 5/6; 2 MB.
 const std::vector<Mirror>& mirrors() {
   static const auto made = [] {
     std::vector<Mirror> all;
