@@ -57,6 +57,8 @@ void print(const ReplaySummary& summary, const ReplayRequest& request) {
              summary.seconds, static_cast<double>(summary.pictures) / summary.seconds, summary.gl_renderer,
              summary.software_gl ? " (software)" : "");
   if (summary.processor_mixed) fmt::print("pictures were mixed by the processor\n");
+  fmt::print("time: {}{}\n", text_of(summary.stages, summary.pictures),
+             request.realtime ? "" : "; side by side where they can be");
   if (summary.sighting.in_picture())
     fmt::print("{}\n", summary.sighting.message);
   else

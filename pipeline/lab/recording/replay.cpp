@@ -96,13 +96,15 @@ Result<ReplayOutput> open_output(const ReplayRequest& request, const Fixture& fi
 class Run {
  public:
   Run(const ReplayRequest& request, const Fixture& fixture, const Model& model, ReplayOutput output,
-      Compositor compositor, std::optional<LightTerms> terms, ReplayedAir& air)
+      Compositor compositor, std::optional<LightTerms> terms, ReplayedAir& air, StageTimes& times)
       : request_(request),
         output_(std::move(output)),
         compositor_(std::move(compositor)),
         terms_(std::move(terms)),
         site_(fixture.installation.site),
-        air_(air) {
+        encoding_(fixture.installation.scene.yuv_encoding),
+        air_(air),
+        times_(times) {
     compositor_.set_bare(request.wipe);
     compositor_.set_view(request.view);
     if (request.overlay) overlay_.emplace(output_.context(), fixture.installation, model.bounds(), std::nullopt);
@@ -112,15 +114,22 @@ class Run {
     summary_.processor_mixed = compositor_.processor_mixes();
   }
 
-  // `first`: the first of the scene camera's frames.
-  Result<> play(FixtureSources& sources, std::future<ReplayedFrame> first) {
+  // `next`: the first of the scene camera's frames. The following one, and its air, come while this one is drawn.
+  Result<> play(FixtureSources& sources, std::future<ReplayedFrame> next) {
     Progress progress("replay", request_.frames.value_or(sources.scene->row_count()));
-    ReplayedFrame frame = first.get();
-    while (frame && !over()) {
-      latest_ = air_.latest();
-      if (auto shown = show(std::move(*frame)); !shown) return shown;
+    const auto ask = [&] {
+      next = std::async(std::launch::async, [&] { return air_.next_scene_frame(sources, stop_requested); });
+    };
+    while (next.valid()) {
+      auto frame = next.get();
+      if (!frame || over()) break;
+      // The last picture's sky is the last that counts; whether this is the last is known when it is drawn.
+      const bool may_be_last = request_.frames && summary_.pictures + 1 >= *request_.frames;
+      if (!may_be_last) ask();
+      latest_ = std::move(frame->sky);
+      if (auto shown = show(frame->frame, frame->picture); !shown) return shown;
       progress.advance(progress_detail());
-      frame = air_.next_scene_frame(sources, [this] { return over(); });
+      if (may_be_last && !over()) ask();
     }
     air_.finish_sky(sources, [this] { return over(); });
     latest_ = air_.latest();
@@ -150,7 +159,11 @@ class Run {
       if (!frame && frame.error().kind == FaultKind::timeout)
         continue;  // a gap: keep handling the window's events and hold the picture
       if (auto sight = air_.sight_due(frame)) sights.put(std::move(*sight));
-      if (result = show(std::move(frame)); !result) break;
+      if (!frame) {
+        if (result = show(frame, fail(frame.error())); !result) break;
+      } else if (result = show(frame, decode(*frame, encoding_)); !result) {
+        break;
+      }
       progress.advance(progress_detail());
     }
     stopping = true;
@@ -162,6 +175,7 @@ class Run {
 
   Result<ReplaySummary> finish() {
     if (output_.sink) {
+      if (auto written = wait_for_writing(); !written) return fail(written.error());
       if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
       const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
       if (auto written = air_.table().write(folder / "turbidity.csv"); !written) return fail(written.error());
@@ -176,6 +190,7 @@ class Run {
     summary_.horizon = compositor_.air().horizon().source;
     summary_.horizon_reason = compositor_.air().horizon().reason;
     summary_.notes = compositor_.notes();
+    summary_.stages = times_.seconds();
     if (latest_.picture) summary_.last = latest_;
     if (summary_.last) summary_.air = seen_quality(latest_, site_.altitude_m);
     return summary_;
@@ -193,39 +208,64 @@ class Run {
     return air ? fmt::format("T {:.2f}", air->air.turbidity().value) : "T unknown yet";
   }
 
-  Result<> show(Result<Frame> frame) {
+  Result<> show(const Result<Frame>& frame, const Result<DecodedPicture>& picture) {
     if (!frame) {
       if (frame.error().kind != FaultKind::timeout && frame.error().kind != FaultKind::end_of_stream)
         ++summary_.skipped[fmt::format("scene camera: {}", name_of(frame.error().kind))];
       return {};
     }
+    if (!picture) return skip_or_fail(*frame, picture.error());
     place_sun(latest_, frame->metadata.utc, site_);
-    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_ && request_.wipe <= 0.0 &&
-        request_.view == BuildingView::live) {
-      const auto mixed = compositor_.mix(*frame, latest_);
-      if (!mixed) return skip_or_fail(*frame, mixed.error());
-      if (output_.sink)
-        if (auto put = output_.sink->put(opaque(**mixed)); !put) return put;
-    } else if (output_.offscreen) {
-      if (auto drawn = compositor_.draw(*frame, latest_, output_.offscreen->target()); !drawn)
-        return skip_or_fail(*frame, drawn.error());
-      if (terms_)
-        if (auto written = write_terms(*frame); !written) return written;
-      if (auto drawn = draw_overlay(output_.offscreen->target()); !drawn) return drawn;
-      auto picture = output_.offscreen->read();
-      if (!picture) return fail(picture.error());
-      if (output_.sink)
-        if (auto put = output_.sink->put(*picture); !put) return put;
-    }
-    if (output_.window) {
-      if (auto drawn = compositor_.draw(*frame, latest_, output_.window->target()); !drawn)
-        return skip_or_fail(*frame, drawn.error());
-      if (auto drawn = draw_overlay(output_.window->target()); !drawn) return drawn;
-      output_.window->show();
-    }
+    const auto started = StageTimes::now();
+    const auto layers = compositor_.layer().drawn();
+    auto drawn = draw(*frame, *picture);
+    times_.add(compositor_.layer().drawn() == layers ? ReplayStage::drawing : ReplayStage::layers, started);
+    if (!drawn) return skip_or_fail(*frame, drawn.error());
+    if (output_.sink)
+      if (auto written = write(std::move(*drawn)); !written) return written;
     ++summary_.pictures;
     return {};
   }
+
+  // Of a window alone no pixels are read.
+  Result<Image<Rgb8>> draw(const Frame& frame, const DecodedPicture& decoded) {
+    Image<Rgb8> picture;
+    if (output_.offscreen && compositor_.processor_mixes() && !terms_ && !overlay_ && request_.wipe <= 0.0 &&
+        request_.view == BuildingView::live) {
+      const auto mixed = compositor_.mix(frame.metadata, decoded, latest_);
+      if (!mixed) return fail(mixed.error());
+      if (output_.sink) picture = opaque(**mixed);
+    } else if (output_.offscreen) {
+      if (auto drawn = compositor_.draw(frame.metadata, decoded, latest_, output_.offscreen->target()); !drawn)
+        return fail(drawn.error());
+      if (terms_)
+        if (auto written = write_terms(frame); !written) return fail(written.error());
+      if (auto drawn = draw_overlay(output_.offscreen->target()); !drawn) return fail(drawn.error());
+      auto pixels = output_.offscreen->read();
+      if (!pixels) return pixels;
+      picture = std::move(*pixels);
+    }
+    if (output_.window) {
+      if (auto drawn = compositor_.draw(frame.metadata, decoded, latest_, output_.window->target()); !drawn)
+        return fail(drawn.error());
+      if (auto drawn = draw_overlay(output_.window->target()); !drawn) return fail(drawn.error());
+      output_.window->show();
+    }
+    return picture;
+  }
+
+  // One picture at a time is written while the next one is drawn. Errors: of the one before, too.
+  Result<> write(Image<Rgb8> picture) {
+    if (auto written = wait_for_writing(); !written) return written;
+    writing_ = std::async(std::launch::async, [this, picture = std::move(picture)] {
+      const auto started = StageTimes::now();
+      auto put = output_.sink->put(picture);
+      times_.add(ReplayStage::writing, started);
+      return put;
+    });
+    return {};
+  }
+  Result<> wait_for_writing() { return writing_.valid() ? writing_.get() : Result<>{}; }
 
   Result<> write_terms(const Frame& frame) {
     const auto picture = output_.offscreen->read();
@@ -256,9 +296,12 @@ class Run {
   std::optional<Overlay> overlay_;
   ThenAndNow then_and_now_;
   Site site_;
+  YuvEncoding encoding_;
   ReplayedAir& air_;
+  StageTimes& times_;
   SkyReport latest_;
   ReplaySummary summary_;
+  std::future<Result<>> writing_;  // of the last picture
 };
 
 }  // namespace
@@ -280,9 +323,9 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     clock = std::make_unique<FastForwardClock>(fixture->info.start_utc);
   auto sources = open_fixture_sources(fixture->folder, *clock);
   if (!sources) return fail(sources.error());
-  // The air of the first pictures is estimated while this thread opens GL and the model. No other thread uses it
-  // meanwhile, so the pictures do not depend on timing.
-  ReplayedAir air(fixture->installation);
+  // The air of the first pictures is estimated while this thread opens GL and the model.
+  StageTimes times;
+  ReplayedAir air(fixture->installation, times);
   std::future<ReplayedFrame> first;
   if (!request.realtime)
     first = std::async(std::launch::async, [&] { return air.next_scene_frame(*sources, stop_requested); });
@@ -302,7 +345,7 @@ Result<ReplaySummary> replay(const ReplayRequest& request) {
     terms = std::move(*created);
   }
 
-  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms), air);
+  Run run(request, *fixture, *model, std::move(*output), std::move(*compositor), std::move(terms), air, times);
   auto played = request.realtime ? run.play_in_real_time(*sources, *clock) : run.play(*sources, std::move(first));
   if (!played) return fail(played.error());
   auto summary = run.finish();

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/result.hpp"
+#include "pipeline/lab/recording/stage_times.hpp"
 #include "pipeline/show/scene/scene_air.hpp"
 #include "pipeline/site/config/sighting.hpp"
 
@@ -47,11 +48,13 @@ struct ReplaySummary {
   bool software_gl = false;
   bool processor_mixed = false;
   double seconds = 0.0;
+  StageSeconds stages{};           // of all pictures; in real time only of those that are drawn
   std::vector<std::string> notes;  // of the model: what of it is left out; of depth_map; and of the renderer
 };
 
-// Without `realtime`: as fast as possible, in one thread, so that the same fixture gives the same pictures bit for bit.
-// Errors: bad_input (fixture, model), unsupported (no GL, no display), io.
+// Without `realtime`: as fast as possible. The next pictures are decoded and their air estimated, and the last one is
+// written, while this one is drawn; a few at a time, so that memory does not grow. The order is that of the recording,
+// so that the same fixture gives the same pictures bit for bit. Errors: bad_input (fixture, model), unsupported (no GL, no display), io.
 Result<ReplaySummary> replay(const ReplayRequest& request);
 
 }  // namespace kasumi

@@ -26,11 +26,10 @@ Result<> Compositor::draw(const FrameMetadata& metadata, const DecodedPicture& p
   return show(target);
 }
 
-Result<const Image<glm::u8vec4>*> Compositor::mix(const Frame& frame, const SkyReport& sky) {
-  const auto picture = decode(frame, encoding_);
-  if (!picture) return fail(picture.error());
-  if (auto passed = frame_.pass(renderer_, *picture, dims()); !passed) return fail(passed.error());
-  if (auto followed = follow(frame.metadata, *picture, sky); !followed) return fail(followed.error());
+Result<const Image<glm::u8vec4>*> Compositor::mix(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                                  const SkyReport& sky) {
+  if (auto passed = frame_.pass(renderer_, picture, dims()); !passed) return fail(passed.error());
+  if (auto followed = follow(metadata, picture, sky); !followed) return fail(followed.error());
   return measured_ ? renderer_.mix(*measured_, noise_) : renderer_.mix_background();
 }
 

@@ -42,12 +42,13 @@ class Compositor {
   // Draws the frame with the building under the report's air. Errors: bad_input (a frame without a picture: it is not
   // drawn and the caller keeps the last one), device.
   Result<> draw(const Frame& frame, const SkyReport& sky, const DrawTarget& target);
-  // The same into memory, where the processor mixes the pictures; it stays until the next call. Errors: as draw().
-  Result<const Image<glm::u8vec4>*> mix(const Frame& frame, const SkyReport& sky);
-  bool processor_mixes() const { return renderer_.processor_mixes(); }
   // The same for a frame that another thread has decoded.
   Result<> draw(const FrameMetadata& metadata, const DecodedPicture& picture, const SkyReport& sky,
                 const DrawTarget& target);
+  // The same into memory, where the processor mixes the pictures; it stays until the next call. Errors: as draw().
+  Result<const Image<glm::u8vec4>*> mix(const FrameMetadata& metadata, const DecodedPicture& picture,
+                                        const SkyReport& sky);
+  bool processor_mixes() const { return renderer_.processor_mixes(); }
   // Draws the camera's picture alone, while the sun's position is unknown.
   Result<> draw_without_object(const DecodedPicture& picture, const DrawTarget& target);
   // For a display that lays the building over the camera's picture by itself: as draw() and draw_without_object(), but

@@ -41,19 +41,17 @@ double SkyWatch::Saturation::at(Instant when) const {
   return learnt + (before - learnt) * std::exp(-since_s / kFollowed_s);
 }
 
-SkyWatch::SkyWatch(const Installation& installation, ObservationPlan options)
+SkyReader::SkyReader(const Installation& installation, ObservationPlan options)
     : site_(installation.site),
       object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
                 installation.object.placement.up_m),
       cloud_base_m_(installation.surroundings.cloud_base_m),
-      given_(installation.surroundings.air),
       options_(std::move(options)),
-      observer_(installation.sky),
-      air_(tracker_of(installation)) {
+      observer_(installation.sky) {
   options_.estimate.sky = installation.model_to_fit();
 }
 
-SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
+SunCheck SkyReader::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
     unknown.message = "the time is not trusted yet";
@@ -67,7 +65,7 @@ SunCheck SkyWatch::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_f
   return cross_check(ephemeris, blob, clock_trusted, picture != nullptr);
 }
 
-void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
+void SkyReader::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
     report.estimate.reason = "the sun's position is unknown: " + sun.message;
@@ -84,9 +82,27 @@ void SkyWatch::estimate(const SkyPicture& picture, SkyReport& report) {
     report.measured = std::make_shared<const MeasuredSky>(std::move(*sky));
 }
 
+Result<SkyReport> SkyReader::read(const Frame& frame, SunSource sun_from) {
+  auto decoded = decode(frame, observer_.camera().yuv_encoding);
+  if (!decoded) return fail(decoded.error());
+  const auto picture = sky_picture(decoded->view(), observer_.camera());
+  if (!picture) return fail(picture.error());
+
+  SkyReport report;
+  report.utc = frame.metadata.utc;
+  report.picture = std::make_shared<const DecodedPicture>(*decoded);
+  report.sun = place_sun(report.utc, &*picture, sun_from);
+  estimate(*picture, report);
+  return report;
+}
+
+SkyWatch::SkyWatch(const Installation& installation, ObservationPlan options)
+    : reader_(installation, std::move(options)),
+      given_(installation.surroundings.air),
+      air_(tracker_of(installation)) {}
+
 FoundAerosol SkyWatch::found_in(const TurbidityEstimate& estimate) const {
-  return of_site(estimate.found ? *estimate.found
-                                : found_alone(estimate.turbidity, estimate.sigma, options_.estimate.sky));
+  return of_site(estimate.found ? *estimate.found : found_alone(estimate.turbidity, estimate.sigma, reader_.sky()));
 }
 
 FoundAerosol SkyWatch::of_site(FoundAerosol found) const {
@@ -117,16 +133,12 @@ SkyReport SkyWatch::with_air(SkyReport report, Instant when) const {
 }
 
 Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource sun_from) {
-  auto decoded = decode(frame, observer_.camera().yuv_encoding);
-  if (!decoded) return fail(decoded.error());
-  const auto picture = sky_picture(decoded->view(), observer_.camera());
-  if (!picture) return fail(picture.error());
+  auto read = reader_.read(frame, sun_from);
+  if (!read) return read;
+  return observe(std::move(*read), when);
+}
 
-  SkyReport report;
-  report.utc = frame.metadata.utc;
-  report.picture = std::make_shared<const DecodedPicture>(*decoded);
-  report.sun = place_sun(report.utc, &*picture, sun_from);
-  estimate(*picture, report);
+SkyReport SkyWatch::observe(SkyReport report, Instant when) {
   last_estimate_ = report.estimate;
   last_measured_ = report.measured;
   last_observed_ = when;
@@ -138,7 +150,7 @@ Result<SkyReport> SkyWatch::observe(const Frame& frame, Instant when, SunSource 
 SkyReport SkyWatch::at(Instant when, Utc utc, SunSource sun_from) const {
   SkyReport report;
   report.utc = utc;
-  report.sun = place_sun(utc, nullptr, sun_from);
+  report.sun = reader_.place_sun(utc, nullptr, sun_from);
   report.estimate = last_estimate_;
   if (when - last_observed_ <= kCloudsHold) report.measured = last_measured_;
   add_air(report, when);

@@ -38,6 +38,27 @@ struct ObservationPlan {
   Duration observe_every = std::chrono::seconds(1);  // of an appliance; air changes in minutes
 };
 
+// What a frame of the sky camera shows by itself, whatever came before it. Belongs to one thread.
+class SkyReader {
+ public:
+  explicit SkyReader(const Installation& installation, ObservationPlan options = {});
+
+  // The report of a frame, which lacks the air. Arguments and errors: as SkyWatch::observe().
+  Result<SkyReport> read(const Frame& frame, SunSource sun_from);
+  // `picture`: null: there is none.
+  SunCheck place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const;
+  const ModelToFit& sky() const { return options_.estimate.sky; }
+
+ private:
+  void estimate(const SkyPicture& picture, SkyReport& report);
+
+  Site site_;
+  glm::dvec3 object_m_;  // clouds in front of the sun may shade it
+  double cloud_base_m_;
+  ObservationPlan options_;
+  SkyObserver observer_;
+};
+
 // Belongs to one thread.
 class SkyWatch {
  public:
@@ -51,6 +72,8 @@ class SkyWatch {
   // For a live frame that arrived at `when`. `sun_from`: where to take the sun's position from; with `none` nothing is
   // estimated.
   Result<SkyReport> observe(const Frame& frame, Instant when, SunSource sun_from);
+  // The same for a frame that was read elsewhere, by a reader of this installation, and arrived at `when`.
+  SkyReport observe(SkyReport read, Instant when);
   // What the scene camera shows of the air: it drives the picture where the sky does not show it, too.
   void observe(const TrackerReading& scene);
   // An earlier report with the air as it is known now.
@@ -64,18 +87,12 @@ class SkyWatch {
   void remember(Turbidity turbidity, double sigma, Instant when);
 
  private:
-  SunCheck place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const;
-  void estimate(const SkyPicture& picture, SkyReport& report);
   FoundAerosol found_in(const TurbidityEstimate& estimate) const;
   FoundAerosol of_site(FoundAerosol found) const;
   void add_air(SkyReport& report, Instant when) const;
 
-  Site site_;
-  glm::dvec3 object_m_;  // clouds in front of the sun may shade it
-  double cloud_base_m_;
+  SkyReader reader_;
   GivenAir given_;
-  ObservationPlan options_;
-  SkyObserver observer_;
   AirTracker air_;
   // Of the scene camera. What is learnt while visitors look comes in over minutes; what was known at a start, at once.
   struct Saturation {

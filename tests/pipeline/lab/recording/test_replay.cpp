@@ -228,6 +228,33 @@ TEST(Replay, NoMorePicturesThanRequested) {
   const auto fixture = recorded(small_scene("clear-noon", 3), "two");
   const auto summary = must(replay({fixture, test_folder("two-out"), false, false, 2, {}}));
   EXPECT_EQ(summary->pictures, 2u);
+  EXPECT_EQ(summary->sky_frames, 2u) << "what was read ahead is left";
+}
+
+// Each picture is written while the next one is drawn.
+TEST(Replay, APictureThatCannotBeWrittenEndsItAndThoseBeforeItStay) {
+  const auto fixture = recorded(small_scene("clear-noon", 4), "unwritable");
+  for (const auto* last : {"frame-000001.png", "frame-000003.png"}) {
+    const auto out = test_folder(fmt::format("unwritable-{}", last));
+    std::filesystem::create_directories(out / last / "in the way");
+    EXPECT_THAT(replay({fixture, out, false, false, std::nullopt, {}}),
+                FailsAs(FaultKind::io, testing::HasSubstr((out / last).string())));
+    EXPECT_TRUE(std::filesystem::is_regular_file(out / "frame-000000.png"));
+    EXPECT_EQ(std::filesystem::is_regular_file(out / "frame-000002.png"), last == std::string_view("frame-000003.png"));
+  }
+}
+
+TEST(Replay, ItSaysWhereItsTimeWent) {
+  const auto fixture = recorded(small_scene("clear-noon", 3), "times");
+  const auto summary = must(replay({fixture, test_folder("times-out"), false, false, std::nullopt, {}}));
+  for (const auto stage : {ReplayStage::decoding, ReplayStage::air, ReplayStage::layers, ReplayStage::writing}) {
+    const auto i = static_cast<std::size_t>(stage);
+    EXPECT_GT(summary->stages[i], 0.0) << kReplayStageNames[i];
+    EXPECT_LE(summary->stages[i], 3.0 * summary->seconds) << kReplayStageNames[i] << ": of three pictures";
+  }
+  EXPECT_EQ(text_of(StageSeconds{0.01, 0.05, 0.1, 0.02, 0.02}, 2),
+            "100.0 ms a picture: decoding 5.0 (5 %), air 25.0 (25 %), layers 50.0 (50 %), drawing 10.0 (10 %), writing "
+            "10.0 (10 %)");
 }
 
 TEST(Replay, AMissingFixtureIsReported) {
