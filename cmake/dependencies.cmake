@@ -33,6 +33,7 @@ pkg_check_modules(libwebp REQUIRED IMPORTED_TARGET libwebp)
 pkg_check_modules(openexr REQUIRED IMPORTED_TARGET OpenEXR)
 set_property(TARGET PkgConfig::openexr PROPERTY INTERFACE_COMPILE_OPTIONS)  # -pthread, which spoils precompiled headers
 pkg_check_modules(cfitsio REQUIRED IMPORTED_TARGET cfitsio)
+pkg_check_modules(libav REQUIRED IMPORTED_TARGET libavcodec libavformat libavutil libswscale)
 pkg_check_modules(libheif REQUIRED IMPORTED_TARGET libheif)
 pkg_check_modules(lcms REQUIRED IMPORTED_TARGET lcms2)
 pkg_check_modules(libdeflate REQUIRED IMPORTED_TARGET libdeflate)

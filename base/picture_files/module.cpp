@@ -1,4 +1,4 @@
-// The module itself: OpenCV's pictures and films.
+// The module itself: OpenCV's pictures and films, and others'.
 #include <cstdlib>
 
 #include <opencv2/core/utils/logger.hpp>
@@ -9,6 +9,7 @@
 #include "base/fits_header.hpp"
 #include "base/picture_files/colour_profile.hpp"
 #include "base/picture_files/exr_channels.hpp"
+#include "base/picture_files/film_encoder.hpp"
 #include "base/picture_files/fits_picture.hpp"
 #include "base/picture_files/heif_picture.hpp"
 #include "base/picture_files/rare_files.hpp"
@@ -27,20 +28,6 @@ class OpenCvFilmDecoder final : public FilmDecoder {
 
  private:
   cv::VideoCapture capture_;
-};
-
-class OpenCvFilmEncoder final : public FilmEncoder {
- public:
-  OpenCvFilmEncoder(const std::string& file, double frames_per_second, cv::Size size) {
-    for (const int codec : {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')})
-      if (writer_.open(file, cv::CAP_FFMPEG, codec, frames_per_second, size)) return;
-  }
-  bool is_open() const { return writer_.isOpened(); }
-  void write(const cv::Mat& bgr) override { writer_.write(bgr); }
-  void finish() override { writer_.release(); }
-
- private:
-  cv::VideoWriter writer_;
 };
 
 template <class T, class Base, class... Arguments>
@@ -85,7 +72,7 @@ class OpenCvFiles final : public RareFiles {
   }
   std::unique_ptr<FilmEncoder> make_film(const std::string& file, double frames_per_second,
                                          cv::Size size) const override {
-    return opened<OpenCvFilmEncoder, FilmEncoder>(file, frames_per_second, size);
+    return encode_film(file, frames_per_second, size);
   }
 };
 

@@ -26,8 +26,9 @@ class FilmDecoder {
 class FilmEncoder {
  public:
   virtual ~FilmEncoder() = default;
-  virtual void write(const cv::Mat& bgr) = 0;
-  virtual void finish() = 0;
+  // Each: what is wrong; empty: nothing.
+  virtual std::string write(const cv::Mat& rgb) = 0;
+  virtual std::string finish() = 0;
 };
 
 // What the module does. It may throw cv::Exception.

@@ -2,7 +2,7 @@
 
 #include <system_error>
 
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 #include "base/files.hpp"
 #include "base/picture_files/picture_file.hpp"
@@ -13,25 +13,17 @@ namespace kasumi {
 
 namespace {
 
-cv::Mat to_bgr(const Image<Rgb8>& picture) {
-  // OpenCV only reads from it.
-  const cv::Mat rgb(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.elements().data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  return bgr;
-}
-
 class PictureFolder final : public PictureSink {
  public:
   explicit PictureFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  Result<> put(const Image<Rgb8>& picture) override {
-    return write_png(folder_ / fmt::format("frame-{:06}.png", count_++), picture);
+  Result<> put(std::size_t number, const Image<Rgb8>& picture) override {
+    return write_png(folder_ / fmt::format("frame-{:06}.png", number), picture);
   }
+  std::size_t at_once() const override { return 2; }  // one is compressed while another one goes through to the disk
   Result<> finish() override { return {}; }
 
  private:
   std::filesystem::path folder_;
-  int count_ = 0;
 };
 
 class FilmWriter final : public PictureSink {
@@ -47,30 +39,39 @@ class FilmWriter final : public PictureSink {
     std::filesystem::remove(unfinished_, ignored);
   }
 
-  Result<> put(const Image<Rgb8>& picture) override {
-    // Both codecs require even sizes.
-    const cv::Mat bgr = to_bgr(picture)(cv::Rect(0, 0, picture.width() & ~1, picture.height() & ~1));
+  Result<> put(std::size_t, const Image<Rgb8>& picture) override {
+    // It only reads from it. Both codecs require even sizes.
+    const cv::Mat rgb =
+        cv::Mat(picture.height(), picture.width(), CV_8UC3, const_cast<Rgb8*>(picture.elements().data()))(
+            cv::Rect(0, 0, picture.width() & ~1, picture.height() & ~1));
     if (!encoder_) {
-      size_ = bgr.size();
+      size_ = rgb.size();
       encoder_ = files_.make_film(unfinished_.string(), frames_per_second_, size_);
       if (!encoder_)
-        return fail(FaultKind::io, "{}: cannot be written as a film by this machine's OpenCV ({}x{} pixels)",
+        return fail(FaultKind::io, "{}: cannot be written as a film by this machine's FFmpeg ({}x{} pixels)",
                     file_.string(), size_.width, size_.height);
     }
-    if (bgr.size() != size_)
+    if (rgb.size() != size_)
       return fail(FaultKind::bad_input, "{}: the pictures of a film must have one size", file_.string());
-    encoder_->write(bgr);
-    return {};
+    return said(encoder_->write(rgb));
   }
+
+  std::size_t at_once() const override { return 1; }
 
   Result<> finish() override {
     if (!encoder_) return fail(FaultKind::bad_input, "{}: no pictures, so no film was written", file_.string());
-    encoder_->finish();
+    auto finished = said(encoder_->finish());
     encoder_.reset();
+    if (!finished) return finished;
     return finish_file(unfinished_, file_);
   }
 
  private:
+  Result<> said(const std::string& wrong) const {
+    if (wrong.empty()) return {};
+    return fail(FaultKind::io, "{}: writing failed: {}", file_.string(), wrong);
+  }
+
   const RareFiles& files_;
   std::filesystem::path file_, unfinished_;
   double frames_per_second_;

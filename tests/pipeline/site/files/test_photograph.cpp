@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -14,6 +16,7 @@
 #include "pipeline/site/files/photograph_file.hpp"
 #include "pipeline/site/files/picture_sink.hpp"
 #include "tests/places.hpp"
+#include "tests/small_disk.hpp"
 
 namespace kasumi {
 namespace {
@@ -158,6 +161,48 @@ TEST(PictureSink, AFilmAppearsUnderItsNameOnlyWhenComplete) {
   const auto finished = film->finish();
   ASSERT_TRUE(finished) << finished.error().message;
   EXPECT_GT(std::filesystem::file_size(file), 200u);
+}
+
+TEST(PictureSink, AFilmHasAllItsPicturesInTheirColoursAndOrder) {
+  const auto file = folder() / "colours.mp4";
+  const std::array<Rgb8, 3> colours{Rgb8(200, 60, 40), Rgb8(50, 160, 60), Rgb8(40, 70, 190)};
+  auto film = open_film(file, 25.0).value();
+  for (int i = 0; i < 60; ++i) ASSERT_TRUE(film->put(Image<Rgb8>(65, 49, colours[static_cast<std::size_t>(i / 20)])));
+  ASSERT_TRUE(film->finish());
+  const auto decoder = rare_files().value()->open_film(file.string());
+  ASSERT_TRUE(decoder);
+  EXPECT_NEAR(decoder->frames_per_second(), 25.0, 1e-3);
+  cv::Mat bgr;
+  int pictures = 0;
+  for (; decoder->read(bgr); ++pictures) {
+    ASSERT_EQ(bgr.size(), cv::Size(64, 48)) << "even, as the codecs need them";
+    const auto seen = bgr.at<cv::Vec3b>(24, 32);
+    const auto& given = colours[static_cast<std::size_t>(std::min(pictures / 20, 2))];
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[2 - c], given[c], 4) << pictures;
+  }
+  EXPECT_EQ(pictures, 60);
+}
+
+TEST(PictureSink, AFilmForWhichTheDiskHasNoRoomIsReportedAndRemoved) {
+  const auto out = folder() / "no-room";
+  std::filesystem::remove_all(out);
+  Image<Rgb8> noise(320, 240);
+  std::uint32_t state = 1;
+  {
+    auto film = open_film(out / "film.mp4", 10.0).value();
+    const SmallDisk disk(20'000);
+    Result<> written;
+    for (int i = 0; i < 60 && written; ++i) {
+      for (auto& pixel : noise.elements())
+        pixel = Rgb8(static_cast<std::uint8_t>((state = 1664525u * state + 1u) >> 24));
+      written = film->put(noise);
+    }
+    if (written) written = film->finish();
+    ASSERT_FALSE(written);
+    EXPECT_EQ(written.error().kind, FaultKind::io);
+    EXPECT_THAT(written.error().message, testing::HasSubstr((out / "film.mp4").string() + ": writing failed: "));
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(out), {}), 0);
 }
 
 TEST(PictureSink, AnAbandonedFilmLeavesNothingBehind) {
