@@ -1,3 +1,5 @@
+#include <malloc.h>
+
 #include <algorithm>
 #include <cstdio>
 
@@ -138,6 +140,8 @@ void add_replay_command(CLI::App& app, Action& action) {
       ->capture_default_str();
   command->callback([arguments, &action] {
     action = [arguments]() -> Result<int> {
+      // Each picture has threads of its own: more arenas slowly fill with what they leave.
+      ::mallopt(M_ARENA_MAX, 2);
       const auto request = request_of(*arguments);
       const auto summary = replay(request);
       if (!summary) return fail(summary.error());

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <thread>
 
@@ -175,7 +176,7 @@ class Run {
 
   Result<ReplaySummary> finish() {
     if (output_.sink) {
-      if (auto written = wait_for_writing(); !written) return fail(written.error());
+      if (auto written = wait_for_writing(0); !written) return fail(written.error());
       if (auto finished = output_.sink->finish(); !finished) return fail(finished.error());
       const auto folder = is_film(*request_.out) ? request_.out->parent_path() : *request_.out;
       if (auto written = air_.table().write(folder / "turbidity.csv"); !written) return fail(written.error());
@@ -254,18 +255,23 @@ class Run {
     return picture;
   }
 
-  // One picture at a time is written while the next one is drawn. Errors: of the one before, too.
+  // The last pictures are written while the next one is drawn. Errors: of those before, too.
   Result<> write(Image<Rgb8> picture) {
-    if (auto written = wait_for_writing(); !written) return written;
-    writing_ = std::async(std::launch::async, [this, picture = std::move(picture)] {
+    if (auto written = wait_for_writing(output_.sink->at_once() - 1); !written) return written;
+    writing_.push_back(std::async(std::launch::async, [this, number = summary_.pictures, picture = std::move(picture)] {
       const auto started = StageTimes::now();
-      auto put = output_.sink->put(picture);
+      auto put = output_.sink->put(number, picture);
       times_.add(ReplayStage::writing, started);
       return put;
-    });
+    }));
     return {};
   }
-  Result<> wait_for_writing() { return writing_.valid() ? writing_.get() : Result<>{}; }
+  // Until so many are left.
+  Result<> wait_for_writing(std::size_t left) {
+    for (; writing_.size() > left; writing_.pop_front())
+      if (auto written = writing_.front().get(); !written) return written;
+    return {};
+  }
 
   Result<> write_terms(const Frame& frame) {
     const auto picture = output_.offscreen->read();
@@ -301,7 +307,7 @@ class Run {
   StageTimes& times_;
   SkyReport latest_;
   ReplaySummary summary_;
-  std::future<Result<>> writing_;  // of the last picture
+  std::deque<std::future<Result<>>> writing_;  // of the last pictures
 };
 
 }  // namespace

@@ -49,7 +49,7 @@ void ReplayedAir::follow(SkyReport& report, Instant when) const {
 ReplayedAir::FrameAhead ReplayedAir::ahead_of_sky(Result<Frame> frame) {
   FrameAhead ahead{std::move(frame), true};
   if (!ahead.frame) return ahead;
-  SkyReader& reader = readers_[next_reader_++ % readers_.size()];
+  FrameReader& reader = readers_[next_reader_++ % readers_.size()];
   ahead.read = std::async(std::launch::async, [this, &reader, frame = *ahead.frame] {
     const auto started = StageTimes::now();
     auto read = reader.read(frame, SunSource::ephemeris);
@@ -107,7 +107,7 @@ ReplayedFrame ReplayedAir::next_scene_frame(FixtureSources& sources, const std::
     }
     if (next.frame) place_sun(latest_, next.frame->metadata.utc, site_);
     times_.add(ReplayStage::air, started);
-    return SceneFrame{std::move(next.frame), std::move(picture), latest_};
+    return FrameUnderAir{std::move(next.frame), std::move(picture), latest_};
   }
   return std::nullopt;
 }

@@ -32,13 +32,13 @@ DaylightState above_in(const SkyReport& report);
 void place_sun(SkyReport& report, Utc utc, const Site& site);
 
 // A frame of the scene camera with its picture, and the air that it is drawn under.
-struct SceneFrame {
+struct FrameUnderAir {
   Result<Frame> frame;
   Result<DecodedPicture> picture;  // only where there is a frame
   SkyReport sky;
 };
 // Empty: there are no more, or it is over.
-using ReplayedFrame = std::optional<SceneFrame>;
+using ReplayedFrame = std::optional<FrameUnderAir>;
 
 // Belongs to one thread at a time. Frames ahead are decoded, and the sky's estimated, in threads of their own; what
 // depends on the frames before is done in their order, so that timing changes nothing.
@@ -94,7 +94,7 @@ class ReplayedAir {
   std::size_t sky_frames_ = 0;
   std::size_t usable_sky_frames_ = 0;
   std::map<std::string, std::size_t> skipped_;
-  std::vector<SkyReader> readers_;  // each for one frame at a time
+  std::vector<FrameReader> readers_;  // each for one frame at a time
   std::size_t next_reader_ = 0;
   std::deque<FrameAhead> ahead_;  // in the order of time, where the sky's goes first
   std::size_t sky_ahead_ = 0;     // of them; never more than readers

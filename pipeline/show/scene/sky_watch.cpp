@@ -41,7 +41,7 @@ double SkyWatch::Saturation::at(Instant when) const {
   return learnt + (before - learnt) * std::exp(-since_s / kFollowed_s);
 }
 
-SkyReader::SkyReader(const Installation& installation, ObservationPlan options)
+FrameReader::FrameReader(const Installation& installation, ObservationPlan options)
     : site_(installation.site),
       object_m_(installation.object.placement.east_m, installation.object.placement.north_m,
                 installation.object.placement.up_m),
@@ -51,7 +51,7 @@ SkyReader::SkyReader(const Installation& installation, ObservationPlan options)
   options_.estimate.sky = installation.model_to_fit();
 }
 
-SunCheck SkyReader::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
+SunCheck FrameReader::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_from) const {
   if (sun_from == SunSource::none) {
     SunCheck unknown;
     unknown.message = "the time is not trusted yet";
@@ -65,7 +65,7 @@ SunCheck SkyReader::place_sun(Utc utc, const SkyPicture* picture, SunSource sun_
   return cross_check(ephemeris, blob, clock_trusted, picture != nullptr);
 }
 
-void SkyReader::estimate(const SkyPicture& picture, SkyReport& report) {
+void FrameReader::estimate(const SkyPicture& picture, SkyReport& report) {
   const SunCheck& sun = report.sun;
   if (sun.source == SunSource::none) {
     report.estimate.reason = "the sun's position is unknown: " + sun.message;
@@ -82,7 +82,7 @@ void SkyReader::estimate(const SkyPicture& picture, SkyReport& report) {
     report.measured = std::make_shared<const MeasuredSky>(std::move(*sky));
 }
 
-Result<SkyReport> SkyReader::read(const Frame& frame, SunSource sun_from) {
+Result<SkyReport> FrameReader::read(const Frame& frame, SunSource sun_from) {
   auto decoded = decode(frame, observer_.camera().yuv_encoding);
   if (!decoded) return fail(decoded.error());
   const auto picture = sky_picture(decoded->view(), observer_.camera());

@@ -39,9 +39,9 @@ struct ObservationPlan {
 };
 
 // What a frame of the sky camera shows by itself, whatever came before it. Belongs to one thread.
-class SkyReader {
+class FrameReader {
  public:
-  explicit SkyReader(const Installation& installation, ObservationPlan options = {});
+  explicit FrameReader(const Installation& installation, ObservationPlan options = {});
 
   // The report of a frame, which lacks the air. Arguments and errors: as SkyWatch::observe().
   Result<SkyReport> read(const Frame& frame, SunSource sun_from);
@@ -91,7 +91,7 @@ class SkyWatch {
   FoundAerosol of_site(FoundAerosol found) const;
   void add_air(SkyReport& report, Instant when) const;
 
-  SkyReader reader_;
+  FrameReader reader_;
   GivenAir given_;
   AirTracker air_;
   // Of the scene camera. What is learnt while visitors look comes in over minutes; what was known at a start, at once.

@@ -240,7 +240,8 @@ TEST(Replay, APictureThatCannotBeWrittenEndsItAndThoseBeforeItStay) {
     EXPECT_THAT(replay({fixture, out, false, false, std::nullopt, {}}),
                 FailsAs(FaultKind::io, testing::HasSubstr((out / last).string())));
     EXPECT_TRUE(std::filesystem::is_regular_file(out / "frame-000000.png"));
-    EXPECT_EQ(std::filesystem::is_regular_file(out / "frame-000002.png"), last == std::string_view("frame-000003.png"));
+    EXPECT_TRUE(std::filesystem::is_regular_file(out / "frame-000001.png") || last[11] == '1');
+    EXPECT_FALSE(std::filesystem::exists(out / "turbidity.csv")) << "it would say that all is there";
   }
 }
 
