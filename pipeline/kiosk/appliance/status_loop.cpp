@@ -21,7 +21,8 @@ using namespace std::chrono_literals;
 // A line of figures in the journal each minute shows a leak within hours and stays readable.
 constexpr Duration kStatsInterval = 1min;
 // What reading the content and compiling shaders took and gave back lies in pieces between what is still in use: 23 of
-// the demo's 159 MB. Code that the start alone needed is another 77 MB where GL is software: its compiler's.
+// the demo's 159 MB. Code that the start alone needed is another 77 MB where GL is software, its compiler's. It goes once:
+// pages in use are not asked back from a disk that may since have failed.
 constexpr Duration kFirstTrim = 20s, kTrimInterval = 1min;
 constexpr Duration kPressesInterval = 10min;  // a write to the disk
 constexpr Duration kHeatInterval = 5s;        // a heat sink takes minutes
@@ -168,7 +169,7 @@ void StatusLoop::step() {
   if (status_.now >= trim_at_) {
     trim_at_ = status_.now + kTrimInterval;
     ::malloc_trim(0);
-    let_code_go();
+    if (!std::exchange(started_, true)) let_code_go();
   }
   if (options_.stats && status_.now - stats_at_ >= kStatsInterval) {
     stats_at_ = status_.now;

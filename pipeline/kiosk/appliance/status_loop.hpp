@@ -77,6 +77,7 @@ class StatusLoop {
   std::array<std::uint64_t, kHandKeys> presses_{};  // since the start, as last told
   PressesByHour fresh_presses_;                     // not yet kept
   Instant saved_, stats_at_, trim_at_, presses_kept_;
+  bool started_ = false;  // what only the start needed has been let go
 };
 
 }  // namespace kasumi
