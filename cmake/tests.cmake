@@ -54,8 +54,9 @@ function(kasumi_compile_test name computes)
     add_library(${headers} OBJECT ${PROJECT_BINARY_DIR}/${headers}.cpp)
     target_link_libraries(${headers} PRIVATE kasumi_warnings GTest::gtest GTest::gmock fmt::fmt glm::glm)
     target_compile_options(${headers} PRIVATE ${optimisation} ${KASUMI_INSTRUMENTED})
-    target_precompile_headers(${headers} PRIVATE ${PROJECT_SOURCE_DIR}/base/compiled_formatting.hpp <gmock/gmock.h> <gtest/gtest.h> <chrono> <filesystem> <fmt/format.h> <fstream>
-      <functional> <glm/glm.hpp> <numeric> <optional> <random> <string> <thread> <variant> <vector>)
+    target_precompile_headers(${headers} PRIVATE ${PROJECT_SOURCE_DIR}/base/outside/compiled_formatting.hpp <gmock/gmock.h>
+      <gtest/gtest.h> <chrono> <filesystem> <fmt/format.h> <fstream> <functional> <glm/glm.hpp> <numeric> <optional> <random> <string>
+      <thread> <variant> <vector>)
   endif()
   target_precompile_headers(${name} REUSE_FROM ${headers})
 endfunction()
