@@ -128,7 +128,7 @@ Result<std::vector<BenchRow>> archive_rows(const std::filesystem::path& folder) 
     const auto [whole, alone] = seconds_beside_decoding(*picture, 15);
     rows.push_back(
         {fmt::format("archive, {}, air fitted, beside decoding", size), 1e3 * (whole - alone), "ms", 12.0, true});
-    rows.push_back({"  decoding alone", 1e3 * alone, "ms", std::nullopt, true});
+    rows.push_back({fmt::format("  decoding alone, {}", size), 1e3 * alone, "ms", std::nullopt, true});
     if (side == kSides[0].second)
       rows.push_back({"archive, two pictures at a time / one", gain_of_two(*picture), "x", 1.9, false});
   }

@@ -8,6 +8,7 @@
 #include "pipeline/lab/bench/recorded_run.hpp"
 #include "tests/must.hpp"
 #include "tests/pipeline/run_kasumi.hpp"
+#include "tests/places.hpp"
 
 namespace kasumi {
 namespace {
@@ -101,6 +102,10 @@ TEST(RecordedRun, IsReadAsItWasWritten) {
   ASSERT_TRUE(write_text_file(file, json_of(run)));
   const auto read = must(read_recorded_run(file));
   EXPECT_EQ(json_of(*read), json_of(run));
+}
+
+TEST(RecordedRun, TheOneInTheDocumentsCanBeComparedWith) {
+  EXPECT_GT(must(read_recorded_run(source_folder() / "docs" / "bench.json"))->rows.size(), 50U);
 }
 
 TEST(RecordedRun, AllProblemsOfAFileAreNamed) {
