@@ -1,5 +1,5 @@
-// Included before all else where things are logged. fmt's formatting is in its library; without this line each file compiles it
-// again, which takes the compiler two seconds and the address sanitizer's six.
+// Included before all else where things are logged. fmt's formatting is in its library: without the declaration below each
+// file compiles it again, which takes two seconds, and six with the address sanitizer.
 #pragma once
 
 #include <fmt/format.h>

@@ -58,7 +58,8 @@ class LibavFilm final : public FilmEncoder {
     if (!stream_ || avcodec_parameters_from_context(stream_->codecpar, codec_.get()) < 0) return false;
     stream_->time_base = codec_->time_base;
     stream_->avg_frame_rate = codec_->framerate;
-    if (avio_open(&container->pb, file.c_str(), AVIO_FLAG_WRITE) < 0) return false;
+    // Else a name like "10:30.mp4" is a protocol's.
+    if (avio_open(&container->pb, ("file:" + file).c_str(), AVIO_FLAG_WRITE) < 0) return false;
     if (avformat_write_header(container, nullptr) < 0) return false;
     to_yuv_.reset(sws_getContext(size.width, size.height, AV_PIX_FMT_RGB24, size.width, size.height, codec_->pix_fmt,
                                  SWS_BICUBIC, nullptr, nullptr, nullptr));

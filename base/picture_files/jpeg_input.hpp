@@ -1,5 +1,5 @@
-// What readers of JPEGs share: libjpeg's errors, whose handler must not return, become messages. Only for the .cpp files that
-// use libjpeg.
+// What readers of JPEGs share: libjpeg's errors, whose handler must not return, become messages. Only for the .cpp files
+// that use libjpeg.
 #pragma once
 
 #include <csetjmp>

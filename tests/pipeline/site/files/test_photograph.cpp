@@ -163,6 +163,19 @@ TEST(PictureSink, AFilmAppearsUnderItsNameOnlyWhenComplete) {
   EXPECT_GT(std::filesystem::file_size(file), 200u);
 }
 
+TEST(PictureSink, AFilmsNameMayHoldAColon) {
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder());
+  auto film = open_film("10:30.mp4", 10.0).value();
+  const auto put = film->put(Image<Rgb8>(64, 48, Rgb8(40)));
+  const auto finished = film->finish();
+  const bool exists = std::filesystem::exists("10:30.mp4");
+  std::filesystem::current_path(before);
+  EXPECT_TRUE(put) << put.error().message;
+  EXPECT_TRUE(finished) << finished.error().message;
+  EXPECT_TRUE(exists);
+}
+
 TEST(PictureSink, AFilmHasAllItsPicturesInTheirColoursAndOrder) {
   const auto file = folder() / "colours.mp4";
   const std::array<Rgb8, 3> colours{Rgb8(200, 60, 40), Rgb8(50, 160, 60), Rgb8(40, 70, 190)};
